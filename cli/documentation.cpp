@@ -7,7 +7,7 @@
 namespace schuler::cli {
 namespace {
 
-/// A command with its words ("analyze equator"), after those that it belongs to; the program itself has none.
+/// A command with its full name ("analyze equator"); empty for the program itself.
 struct Command {
     const CLI::App* app;
     std::string words;
@@ -17,7 +17,7 @@ std::vector<const CLI::App*> commands_of(const CLI::App& app) {
     return app.get_subcommands([](const CLI::App*) { return true; });
 }
 
-/// The command of that name; null where there is none.
+/// The command of that name; null if there is none.
 const CLI::App* command_of(const CLI::App& app, const std::string& name) {
     for (const CLI::App* child : commands_of(app))
         if (child->get_name() == name) return child;
@@ -36,7 +36,7 @@ std::vector<Command> all_commands(const CLI::App& parser) {
     return out;
 }
 
-/// Those that help shows.
+/// The options shown by the help.
 std::vector<CLI::Option*> options_of(const CLI::App& app) {
     std::vector<CLI::Option*> out;
     for (const CLI::Option* option : app.get_options())
@@ -53,7 +53,7 @@ std::vector<std::string> names_of(const CLI::Option& option) {
 
 bool takes_value(const CLI::Option& option) { return option.get_items_expected_max() > 0; }
 
-/// The words an option must be one of; none where it takes anything. CLI11 shows them in the validator's description only: {a,b,c}.
+/// The permitted words of an option; none if unrestricted. CLI11 provides them only in the validator's description: {a,b,c}.
 std::vector<std::string> choices_of(CLI::Option& option) {
     std::string text;
     try {
@@ -73,7 +73,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 
 std::string shell_quoted(const std::string& text) { return "'" + replaced(text, "'", "'\\''") + "'"; }
 
-/// Shell statements that leave the words of the command in `command`. `typed` loops over the words before the one to complete.
+/// Shell statements that assign the words of the command to `command`. `typed` loops over the words before the one to complete.
 std::string command_so_far(const std::vector<Command>& all, const std::string& typed) {
     std::string patterns;
     for (const Command& c : all) {
@@ -106,7 +106,7 @@ std::string value_branches(const std::vector<Command>& all, const Print& print) 
     return out;
 }
 
-/// The words that may stand where no option does.
+/// The words possible where no option is expected.
 std::vector<std::string> positional_words(const CLI::App& app) {
     std::vector<std::string> out;
     for (const CLI::App* child : commands_of(app)) out.push_back(child->get_name());
@@ -172,7 +172,7 @@ std::string zsh_completion(const std::vector<Command>& all) {
     return out;
 }
 
-/// Text for man: a line may not begin with a control character, and a hyphen is to be copied as one.
+/// Text for man: a line must not begin with a control character, and hyphens must remain copyable.
 std::string roff(const std::string& text) {
     std::string out;
     for (const char c : text) {

@@ -1,4 +1,4 @@
-// The program `schuler`: command line, what goes to which stream, exit status.
+// The program `schuler`: command line, output streams, exit status.
 #include "documentation.h"
 #include "parser.h"
 #include "printable.h"
@@ -41,7 +41,7 @@ std::string one_line(std::string text) {
 
 void complain(const std::string& text) { fmt::print(stderr, "schuler: {}\n", one_line(text)); }
 
-/// Shows what a command has done: the result on standard output, everything else on standard error.
+/// Displays the outcome of a command: the result on standard output, everything else on standard error.
 void show(const report::Outcome& out, const cli::CommandLine& line) {
     if (!line.quiet) {
         if (!out.notice.empty())
@@ -93,7 +93,7 @@ report::Outcome perform(const cli::CommandLine& line, const CLI::App& parser, co
     return help;
 }
 
-/// Standard output may be a closed pipe or a full disk: the result is not there, so the status says so.
+/// Standard output may be a closed pipe or a full disk: a missing result must be reflected in the exit status.
 int flushed(int status) {
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
         complain("standard output cannot be written");
@@ -116,7 +116,7 @@ int main(int argc, char** argv) {
     }
     try {
         auto arguments = cli::with_help_of_commands({argv + 1, argv + argc}, parser);
-        std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the end
+        std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them in reverse order
         parser.parse(std::move(arguments));
     } catch (const CLI::CallForVersion&) {
         fmt::print("{}\n", cli::version_line());

@@ -39,7 +39,7 @@ void add_option(CLI::App& app, const OptionSpec& spec, const settings::SettingLi
     } else if (spec.line.repeated && !spec.line.positional) {
         option->allow_extra_args(false);
     }
-    if (!spec.choices.empty())  // for help and completion; the table itself refuses what is none of them
+    if (!spec.choices.empty())  // for help and completion; invalid words are rejected by the table itself
         option->check(
             CLI::Validator([](std::string&) { return std::string(); }, fmt::format("{{{}}}", fmt::join(spec.choices, ","))));
     if (spec.line.required) option->required();
@@ -58,7 +58,7 @@ void add_listed(CLI::App& parser, CommandLine& line, const app::Command& command
     Given& given = line.given[command.name];
     for (const OptionSpec& spec : command.options) {
         add_option(*app, spec, command.defaults, given);
-        // `--set a=1 b=2`: what follows the first pair arrives as arguments of no option
+        // `--set a=1 b=2`: words after the first pair arrive as arguments without an option
         if (spec.key == "set") app->add_option("more_settings", given.loose)->group("");
     }
     if (!command.json.empty()) app->add_flag("--json", line.json, command.json);

@@ -8,8 +8,8 @@
 
 namespace schuler::cli {
 
-/// The text with control characters (of C0 but for line ends and tabulators, DEL, and of C1 in UTF-8) written out as \xNN: a file name or a cell
-/// of a log must not move the cursor, change colours or set the title of the window.
+/// The text with control characters (of C0 except line ends and tabs, DEL, and of C1 in UTF-8) written as \xNN: a file name or a
+/// log field must not move the cursor, change colours or set the title of the window.
 [[nodiscard]] inline std::string printable(std::string_view text) {
     std::string out;
     out.reserve(text.size());

@@ -1,4 +1,4 @@
-// A progress bar on standard error, on a terminal only; or lines for a program that reads them.
+// A progress bar on standard error, on a terminal only; or lines for a reading program.
 #pragma once
 
 #include <unistd.h>
@@ -7,7 +7,7 @@
 
 namespace schuler::cli {
 
-/// Draws while it lives, leaves an empty line behind.
+/// Draws during its lifetime, and leaves an empty line.
 class ProgressBar {
 public:
     explicit ProgressBar(bool wanted, bool lines = false)

@@ -20,7 +20,7 @@
 namespace schuler::cli {
 namespace {
 
-/// How many processes mpirun or srun says there are; 0: it has not started this one.
+/// Number of processes according to mpirun or srun; 0: not started by them.
 int processes_told() {
     for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MPI_LOCALNRANKS"}) {
         const char* text = std::getenv(name);
@@ -43,9 +43,9 @@ void let_the_first_tell(const Team* team) {
 namespace {
 
 constexpr int ask_tag = 1, span_tag = 2, size_tag = 3, bytes_tag = 4;
-constexpr std::uint64_t piece = std::uint64_t{1} << 28U;  ///< bytes of one message, at most
+constexpr std::uint64_t piece = std::uint64_t{1} << 28U;  ///< bytes, upper limit of one message
 
-/// Spans are asked for and answered in messages of 8 and 16 bytes.
+/// Spans are requested and answered in messages of 8 and 16 bytes.
 class MpiTeam : public Team {
 public:
     MpiTeam() {
@@ -66,7 +66,7 @@ public:
             int there = 0;
             MPI_Status status;
             MPI_Iprobe(MPI_ANY_SOURCE, ask_tag, MPI_COMM_WORLD, &there, &status);
-            if (there == 0) {  // the processor belongs to the runs
+            if (there == 0) {  // leaves the processor to the runs
                 std::this_thread::sleep_for(std::chrono::microseconds(200));
                 continue;
             }

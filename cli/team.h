@@ -1,4 +1,4 @@
-// The processes that mpirun has started, where the program is built with SCHULER_MPI.
+// The processes started by mpirun, if the program is built with SCHULER_MPI.
 #pragma once
 
 #include "schuler/core/team.h"
@@ -7,13 +7,13 @@
 
 namespace schuler::cli {
 
-/// The team of a program that was started as several processes; null where it is alone. @throws Error(Input) where it is not, and cannot work so.
+/// The team of a program started as several processes; null for a single process. @throws Error(Input) if several processes are not supported.
 [[nodiscard]] std::shared_ptr<Team> team_of_processes();
 
-/// What is wrong for one process is mostly wrong for all: the others wait until the first has said so and ended them.
+/// An error in one process usually occurs in all: the others wait until the first has reported it and terminated them.
 void let_the_first_tell(const Team* team);
 
-/// Ends all processes of the team at once, with an exit status: one of them cannot go on.
+/// Terminates all processes of the team with an exit status, because one of them cannot continue.
 void end_team(const Team& team, int status);
 
 }  // namespace schuler::cli

@@ -47,7 +47,7 @@ void add_ui_command(CLI::App& parser, CommandLine& o) {
 }
 
 void serve_page(const CommandLine& o) {
-    // Blocked before any thread starts, so that one thread alone waits for them.
+    // Blocked before any thread starts, so that a single thread waits for these signals.
     sigset_t ending;
     sigemptyset(&ending);
     sigaddset(&ending, SIGINT);
@@ -73,7 +73,7 @@ void serve_page(const CommandLine& o) {
         server.stop();
     });
     const bool served = server.serve();
-    kill(getpid(), SIGTERM);  // the waiter, where serving ended by itself; blocked, and lost with the process, otherwise
+    kill(getpid(), SIGTERM);  // wakes the waiting thread if serving ended by itself; otherwise blocked, and lost at exit
     waiter.join();
     if (!served) throw computation_error("the server could not listen");
 }

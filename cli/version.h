@@ -1,4 +1,4 @@
-// What `schuler --version` prints.
+// Output of `schuler --version`.
 #pragma once
 
 #include <string>
@@ -6,7 +6,7 @@
 
 namespace schuler::cli {
 
-/// Of the sources, "0123456789ab" or "0123456789ab, modified"; empty where it is not known.
+/// Commit of the sources, "0123456789ab" or "0123456789ab, modified"; empty if unknown.
 [[nodiscard]] std::string_view commit();
 
 /// "schuler 0.1.0 (0123456789ab)"

@@ -30,7 +30,7 @@ Json refusal_json(const Refusal& r) {
 Json understand(const std::string& form_name, const fs::path& file) {
     std::stringstream text;
     text << std::ifstream(file, std::ios::binary).rdbuf();
-    fs::current_path(file.parent_path());  // files that the settings name are looked for beside them
+    fs::current_path(file.parent_path());  // base of file names in the settings
     const Form form = form_name == name_of(Form::Dataset) ? Form::Dataset : Form::Scenario;
     try {
         const Json body = Json::parse(text.str());
@@ -57,7 +57,7 @@ Json read_all(const fs::path& folder) {
     return {{"read", true}};
 }
 
-/// The columns of a log as they stand in it, decimated for drawing; times from the first row on.
+/// The columns of a log unchanged, decimated for drawing; times from the first row on.
 Json raw_columns(const fs::path& file) {
     constexpr std::size_t most_columns = 60, most_points = 3000;
     WarningLog warnings;

@@ -1,4 +1,4 @@
-// Work on input that nobody vouches for, done by a child of the server: whatever the input does to the process, the server goes on.
+// Processing of untrusted input in a child of the server, so that the server survives any effect of the input on the process.
 #pragma once
 
 #include "serve/forms.h"
@@ -11,12 +11,12 @@ namespace schuler::serve {
 /// First argument of the program in such a child.
 inline constexpr std::string_view aside_word = "--aside";
 
-/// Carries out the rest of the arguments and prints one JSON document; returns the exit status.
-///   understand scenario|dataset FILE   what a request body {settings: {...}} or {toml: text} comes to: {answer: ...} or {refusal: {...}}
+/// Executes the remaining arguments and prints one JSON document; returns the exit status.
+///   understand scenario|dataset FILE result of a request body {settings: {...}} or {toml: text}: {answer: ...} or {refusal: {...}}
 ///   read FOLDER                        reads every column of a run: {"read": true}
 [[nodiscard]] int aside(int count, const char* const* arguments) noexcept;
 
-/// The answer in what `understand` has printed. @throws Refusal
+/// The answer printed by `understand`. @throws Refusal
 [[nodiscard]] Json understanding_of(const Json& printed);
 
 [[nodiscard]] std::string_view name_of(Form form);

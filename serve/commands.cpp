@@ -1,4 +1,4 @@
-// The commands that make runs of scenarios and data sets, as forms; and the layouts that the page keeps.
+// The commands that create runs of scenarios and data sets, as forms; and the layouts saved by the page.
 #include "schuler/app/command.h"
 #include "schuler/io/text/split.h"
 #include "schuler/report/outputs.h"
@@ -22,7 +22,7 @@ using settings::OptionSpec;
 
 constexpr std::array run_commands{"process", "run", "ahrs", "gravity", "montecarlo"};
 
-/// What the server itself says on the command line, and what is said by settings.
+/// Options set by the server itself, and options replaced by settings.
 constexpr std::array not_asked{"output", "outputs", "progress", "json", "set", "config", "force", "settings_file"};
 
 std::vector<OptionSpec> fields_of(const app::Command& command) {
@@ -33,7 +33,7 @@ std::vector<OptionSpec> fields_of(const app::Command& command) {
     return out;
 }
 
-/// Also inside lists and tables: fields of gravity are tables.
+/// Also within lists and tables: gravity fields are tables.
 bool mentions(const settings::Value& value, const std::string& name) {
     if (value.text() != nullptr) return *value.text() == name;
     if (const auto* list = value.list())

@@ -1,4 +1,4 @@
-// What a child process may touch, decided before it starts and held by the kernel.
+// Access rights of a child process, defined before it starts and enforced by the kernel.
 #pragma once
 
 #include <filesystem>
@@ -7,14 +7,14 @@
 namespace schuler::serve {
 
 struct Confinement {
-    std::vector<std::filesystem::path> readable;  ///< beside the system's own folders and the program
+    std::vector<std::filesystem::path> readable;  ///< in addition to the system's own folders and the program
     std::vector<std::filesystem::path> writable;
 };
 
-/// Whether this kernel can hold a process to such rules (Landlock).
+/// True if this kernel can enforce such rules (Landlock).
 [[nodiscard]] bool can_confine();
 
-/// Prepared rules: making them allocates and opens files, taking them up does neither and may be done between fork and exec.
+/// Prepared rules: their creation allocates and opens files; applying them does neither and may be done between fork and exec.
 class Ruleset {
 public:
     explicit Ruleset(const Confinement& confinement);
@@ -22,8 +22,8 @@ public:
     Ruleset(const Ruleset&) = delete;
     Ruleset& operator=(const Ruleset&) = delete;
 
-    /// Takes the rules up for the calling process; false where the kernel refuses. True where the kernel knows no such rules:
-    /// names and settings have been checked before (serve/names.h), this is the second wall.
+    /// Applies the rules to the calling process; false if the kernel rejects them. True if the kernel does not support such
+    /// rules: names and settings have already been checked (serve/names.h), this is the second barrier.
     [[nodiscard]] bool enter() const;
 
 private:

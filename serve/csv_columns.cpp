@@ -10,7 +10,7 @@ namespace {
 constexpr std::array groups{CsvGroup{"gravity.csv", "/gravity"}, CsvGroup{"epochs.csv", "/ensemble"},
                             CsvGroup{"solution.csv", "/attitude", true}};
 
-/// What the parts of a name say; longer ones first.
+/// Units denoted by parts of a name; longer ones first.
 // clang-format off
 constexpr std::pair<const char*, const char*> unit_marks[] = {{"_deg_h", "deg/h"}, {"_m_s", "m/s"}, {"_mgal", "mGal"},
                                                               {"_deg", "deg"},     {"_ppm", "ppm"}, {"_ug", "ug"},

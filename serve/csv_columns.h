@@ -1,4 +1,4 @@
-// Result tables that a run keeps as CSV, as columns for drawing.
+// Result tables stored as CSV by a run, as columns for drawing.
 #pragma once
 
 #include "serve/results.h"
@@ -13,11 +13,11 @@ namespace schuler::serve {
 /// GROUP/table.
 struct CsvGroup {
     const char *file, *group;
-    bool alone = false;  ///< only where there is no run.h5, which would hold the same
+    bool alone = false;  ///< only without run.h5, which would contain the same
 };
 [[nodiscard]] std::span<const CsvGroup> csv_groups();
 
-/// Every column but the time, or the time alone; what is no number is NaN. Units stand at the end of the names.
+/// All columns except the time, or the time alone; values that are not numbers are NaN. Units are at the end of the names.
 /// @throws Error(Input)
 [[nodiscard]] ColumnTable csv_columns(const std::filesystem::path& file, bool time);
 

@@ -75,7 +75,7 @@ Value value_of(const Json& json, const std::string& key, int depth = 0) {
     throw Refusal{422, "has no value", "leave the key out", key};
 }
 
-/// So that the same settings are the same file.
+/// So that equal settings give equal files.
 settings::SettingList in_table_order(settings::SettingList settings, Form form) {
     const auto& specs = specs_of(form);
     std::ranges::stable_sort(settings, {}, [&](const settings::Setting& s) {
@@ -89,7 +89,7 @@ settings::SettingList defaults_of(Form form) {
                                   : settings::config_table().used(settings::Config{});
 }
 
-/// Where the vehicle goes, and at what speed and attitude: degrees and metres for drawing.
+/// Path of the vehicle with speed and attitude: degrees and metres for drawing.
 Json track_of(const settings::ScenarioConfig& s, bool cut) {
     const auto path = sim::make_path(s.sim.path, s.sim.earth.ellipsoid);
     const Geodetic origin = path->at(0.0).position;
@@ -121,7 +121,7 @@ Json problem_json(const Error& e) {
     return {{"text", e.reason()}, {"mend", e.hint()}, {"key", e.place().key}, {"line", e.place().line}};
 }
 
-/// Those that this version knows: the table names planned ones too, so that they are told from misspelt ones.
+/// Choices supported by this version: the table also lists planned ones, to distinguish them from misspelt ones.
 std::vector<std::string> offered(const settings::OptionSpec& spec) {
     std::vector<std::string> out;
     for (const std::string& choice : spec.choices)
@@ -191,7 +191,7 @@ std::string toml_of(const settings::SettingList& settings, Form form) {
 Json understood(const settings::SettingList& settings, Form form) {
     Json out{
         {"settings", settings_json(settings)}, {"used", Json::object()}, {"toml", toml_of(settings, form)}, {"problem", nullptr}};
-    // read where the scenario stands, that is anywhere: not for a page
+    // read relative to the scenario, that is, from anywhere: not permitted for a page
     if (form == Form::Scenario && std::ranges::find(settings, "trajectory.file", &settings::Setting::key) != settings.end()) {
         out["problem"] = {{"text", "a recording is not flown again from the page"},
                           {"mend", "leave it out, or use `schuler run` with the file"},

@@ -1,4 +1,4 @@
-// The only place that knows the HTTP library.
+// The only part that depends on the HTTP library.
 #include "schuler/core/error.h"
 #include "serve/assets.h"
 #include "serve/guard.h"
@@ -17,24 +17,24 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// A connection that sends slowly holds a thread: there are more of these than one client can easily hold.
+/// A slow connection occupies a thread: there are more threads than one client can easily occupy.
 constexpr std::size_t longest_path = 2000, threads = 256, most_listeners = 12;
-/// A body may take so long, s, and for each MB of it so much more.
+/// Time limit for a body, s, and the addition for each MB.
 constexpr double body_time = 20.0, body_time_per_mb = 2.0;
 constexpr std::uintmax_t most_drained = 64u << 20;
 
-/// Scripts and styles come from this server alone; uPlot and three.js set styles on elements.
+/// Scripts and styles are loaded from this server only; uPlot and three.js set styles on elements.
 constexpr const char* page_policy =
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; connect-src 'self'; "
     "frame-src 'self'; font-src 'self'; form-action 'none'; base-uri 'none'; frame-ancestors 'none'";
-/// A file of a run is a page of its own, without access to the API.
+/// A file of a run is a separate page without access to the API.
 constexpr const char* file_policy =
     "sandbox allow-scripts allow-modals; default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src "
     "data:; "
     "frame-ancestors 'self'";
 
 void set_body(httplib::Response& res, std::string body, const std::string& type) {
-    // by a provider: the library would compress a plain body, which costs more than it saves on one machine
+    // by a provider: the library would compress a plain body, which costs more than it saves on a local machine
     if (body.empty()) return res.set_content("", type.c_str());
     auto kept = std::make_shared<const std::string>(std::move(body));
     res.set_content_provider(kept->size(), type.c_str(), [kept](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
@@ -80,11 +80,11 @@ std::string type_of_asset(std::string_view path) {
 struct Server::Http {
     explicit Http(ServerSettings s) : settings(std::move(s)), service(settings.service) {
         guard.address = settings.address;
-        guard.token = random_token();  // on this machine too: other users of it are not welcome
+        guard.token = random_token();  // also required locally: other users of this machine must not have access
         http.new_task_queue = [] { return new httplib::ThreadPool(threads); };
-        // One request a connection: what a refused request leaves unread is never taken for the next one.
+        // One request per connection: the unread remainder of a refused request must not be interpreted as the next one.
         http.set_keep_alive_max_count(1);
-        // The library's own options would let a second server share the port.
+        // The library's default options would permit a second server on the same port.
         http.set_socket_options([](socket_t sock) {
             const int yes = 1;
             setsockopt(sock, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
@@ -165,7 +165,7 @@ struct Server::Http {
                 if (stopping || !sink.is_writable()) return false;
                 quiet = events.empty() ? quiet + 1 : 0;
                 if (!events.empty()) return sink.write(events.data(), events.size());
-                return quiet % 10 != 1 || sink.write(":\n\n", 3);  // tells whether somebody is still there
+                return quiet % 10 != 1 || sink.write(":\n\n", 3);  // detects whether the client is still connected
             },
             [this](bool) { --listeners; });
     }
@@ -217,13 +217,13 @@ struct Server::Http {
         return out;
     }
 
-    /// Whether a body that began at a time and has brought so many bytes comes too slowly to be waited for.
+    /// True if a body, from its start time and the number of bytes received, is too slow.
     [[nodiscard]] static bool too_slow(Clock::time_point begin, std::uintmax_t size) {
         const double allowed = body_time + body_time_per_mb * static_cast<double>(size) / (1 << 20);
         return std::chrono::duration<double>(Clock::now() - begin).count() > allowed;
     }
 
-    /// Reads the body whatever becomes of the request, so that the client hears the answer; up to a limit.
+    /// Reads the body in any case, up to a limit, so that the client receives the answer.
     static void drain(const httplib::Request& req, const httplib::ContentReader& read) {
         std::uintmax_t size = 0;
         const Clock::time_point begin = Clock::now();

@@ -22,9 +22,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr std::size_t largest_log = 1u << 20, largest_output = 64u << 20;
 constexpr int cannot_start = 126;
-constexpr std::size_t most_aside = 4;  // at once; the others wait for them
+constexpr std::size_t most_aside = 4;  // simultaneously; others wait for them
 
-// Sanitizers reserve terabytes of addresses.
+// Sanitizers reserve terabytes of address space.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr bool can_limit_memory = false;
 #elif defined(__has_feature)
@@ -62,7 +62,7 @@ struct Jobs::Child {
     JobReport report;
     pid_t pid = -1;
     int out = -1, err = -1;
-    std::string partial[2];  ///< of lines of standard output and standard error
+    std::string partial[2];  ///< incomplete lines of standard output and standard error
     bool cancelled = false, too_late = false;
     Clock::time_point begin{};
 };
@@ -86,7 +86,7 @@ Jobs::~Jobs() {
 
 void Jobs::wake() const {
     const char byte = 0;
-    [[maybe_unused]] const auto written = write(wake_[1], &byte, 1);  // full: it is awake already
+    [[maybe_unused]] const auto written = write(wake_[1], &byte, 1);  // full: it is already awake
 }
 
 bool Jobs::start(JobOrder order) {
@@ -173,7 +173,7 @@ void Jobs::changed(Child& child) {
     change_.notify_all();
 }
 
-/// Between fork and exec only what is safe there: everything is prepared before.
+/// Only async-signal-safe operations between fork and exec: everything is prepared before.
 void Jobs::launch(Child& child) {
     int out[2] = {-1, -1}, err[2] = {-1, -1};
     const Ruleset rules(child.order.confinement);
@@ -251,7 +251,7 @@ void Jobs::read_from(Child& child, int which) {
 void Jobs::reap(Child& child) {
     int status = 0;
     while (waitpid(child.pid, &status, 0) < 0 && errno == EINTR) {}
-    JobReport r = child.report;  // both streams are closed: nobody writes there any more
+    JobReport r = child.report;  // both streams are closed: there is no more writer
     if (WIFEXITED(status)) r.exit_status = WEXITSTATUS(status);
     r.state = child.cancelled ? JobState::Cancelled : r.exit_status == 0 ? JobState::Done : JobState::Failed;
     if (r.state == JobState::Done) r.progress = 1.0;

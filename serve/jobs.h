@@ -1,4 +1,4 @@
-// Child processes: each run is one, so that whatever becomes of it the server stays.
+// Child processes: each run is a separate process, so that the server survives any failure of it.
 #pragma once
 
 #include "serve/confine.h"
@@ -22,47 +22,47 @@ enum class JobState { Waiting, Running, Done, Failed, Cancelled };
 [[nodiscard]] std::string_view name_of(JobState state);
 
 struct JobOrder {
-    std::string id;  ///< unique among the jobs known
+    std::string id;  ///< unique among the known jobs
     std::filesystem::path program;
     std::vector<std::string> arguments;
     Confinement confinement;
-    bool keep_output = false;     ///< standard output is the result and not part of the log
-    bool aside = false;           ///< does not wait for runs and is not told to watchers
-    double limit_s = 0.0;         ///< killed after this time; 0: never
-    std::size_t limit_bytes = 0;  ///< of memory; 0: none
+    bool keep_output = false;     ///< standard output is the result and is not added to the log
+    bool aside = false;           ///< does not wait for runs and is not reported to watchers
+    double limit_s = 0.0;         ///< terminated after this time; 0: never
+    std::size_t limit_bytes = 0;  ///< memory limit; 0: none
 };
 
 struct JobReport {
     std::string id;
     JobState state = JobState::Waiting;
     double progress = 0.0;  ///< 0 to 1, from lines "progress 0.5" on the child's standard error
-    int exit_status = -1;   ///< of the program; -1: it has none
-    std::string message;    ///< the last line of what it complained of, or how it ended
+    int exit_status = -1;   ///< of the program; -1: none
+    std::string message;    ///< the last line of its error output, or how it ended
     std::string output, log;
-    std::uint64_t version = 0;  ///< grows with every change of any job
+    std::uint64_t version = 0;  ///< incremented at every change of any job
 };
 
 class Jobs {
 public:
     /// `finished` is called from the supervising thread when a job has ended.
     explicit Jobs(std::size_t at_once, std::function<void(const JobReport&)> finished = {});
-    ~Jobs();  ///< ends every child
+    ~Jobs();  ///< terminates all children
     Jobs(const Jobs&) = delete;
     Jobs& operator=(const Jobs&) = delete;
 
-    /// Queues a job. False where one of that id is still at work.
+    /// Queues a job. False if one with that id is still active.
     bool start(JobOrder order);
-    /// False where there is nothing to cancel.
+    /// False if there is nothing to cancel.
     bool cancel(const std::string& id);
-    /// Forgets a job that has ended. False while it is at work.
+    /// Removes a job that has ended. False while it is active.
     bool forget(const std::string& id);
     [[nodiscard]] std::optional<JobReport> report(const std::string& id) const;
     [[nodiscard]] bool busy(const std::string& id) const;
     /// Waits until the job has ended and returns its report.
     [[nodiscard]] JobReport wait(const std::string& id) const;
-    /// Reports (without output and log) of the jobs that changed after `version`, waiting for them for a second at most.
+    /// Reports (without output and log) of the jobs changed after `version`; waits for changes for at most a second.
     [[nodiscard]] std::vector<JobReport> changes(std::uint64_t version) const;
-    /// The version now.
+    /// The current version.
     [[nodiscard]] std::uint64_t version() const;
 
 private:

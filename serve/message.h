@@ -1,4 +1,4 @@
-// A request and its answer, free of any HTTP library.
+// A request and its answer, independent of any HTTP library.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +12,7 @@ namespace schuler::serve {
 
 struct Request {
     std::string method, path;
-    std::vector<std::string> parts;  ///< what the braces of the route's path matched, in order
+    std::vector<std::string> parts;  ///< matches of the braces in the route's path, in order
     std::map<std::string, std::string> query;
     std::string body;
 
@@ -25,14 +25,14 @@ struct Request {
 struct Reply {
     int status = 200;
     std::string type = "application/json", body;
-    std::filesystem::path file;           ///< not empty: this file is sent instead of `body`
-    std::string download;                 ///< not empty: the name under which a browser saves it
-    bool page_of_its_own = false;         ///< a report: it may run its own script and nothing else
-    std::function<std::string()> events;  ///< not empty: server-sent events; waits a second at most, "" where nothing happened
+    std::filesystem::path file;           ///< if not empty: this file is sent instead of `body`
+    std::string download;                 ///< if not empty: the file name used by the browser for saving
+    bool page_of_its_own = false;         ///< a report: it may run only its own script
+    std::function<std::string()> events;  ///< if not empty: server-sent events; waits at most a second, "" if nothing happened
 };
 
-/// A request that is refused or cannot be done, as the door tells it: status, what is wrong, how to mend it, and which field of
-/// a form it is about.
+/// A request that is refused or cannot be executed: status, error, remedy, and the form field it refers
+/// to.
 struct Refusal {
     int status;
     std::string text;

@@ -1,4 +1,4 @@
-// Names from outside that become files: what they may look like, and that what they name stays inside its folder.
+// External names used as file names: their syntax, and checks that they stay inside their folder.
 #pragma once
 
 #include "schuler/settings/value.h"
@@ -12,17 +12,17 @@ namespace schuler::serve {
 /// A single name in a folder: UTF-8 without separators, control characters and a leading dot, 1 to 120 bytes.
 [[nodiscard]] bool is_file_name(std::string_view name);
 
-/// Lower-case letters, digits and dashes from any text: the folder of a run or a data set. "run" where nothing is left.
+/// Lower-case letters, digits and dashes from any text: the folder of a run or a data set. "run" if none remain.
 [[nodiscard]] std::string folder_name(std::string_view title);
 
-/// folder / name, where that is a name and no link leads out of the folder. @throws Refusal 400 or 404
+/// folder / name, if that is a valid name and no link leads out of the folder. @throws Refusal 400 or 404
 [[nodiscard]] std::filesystem::path inside(const std::filesystem::path& folder, const std::string& name);
 
-/// Settings from outside may name only files beside them: no absolute path, no "..", no "$NAME", no folder above.
-/// @throws Refusal 422 naming the key
+/// External settings may name only files beside them: no absolute path, no "..", no "$NAME", no parent folder.
+/// @throws Refusal 422 with the key
 void check_file_settings(const settings::SettingList& settings);
 
-/// Likewise a project file of another program, line by line.
+/// The same for a project file of another program, line by line.
 void check_project_text(std::string_view text, const std::string& file);
 
 }  // namespace schuler::serve

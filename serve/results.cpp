@@ -34,7 +34,7 @@ fs::path h5_of(const fs::path& folder) {
     return folder / "run.h5";
 }
 
-/// The CSV file that holds the table, or none.
+/// The CSV file with the table, or none.
 fs::path csv_of(const fs::path& folder, const std::string& path) {
     std::error_code ec;
     for (const CsvGroup& g : csv_groups())
@@ -42,7 +42,7 @@ fs::path csv_of(const fs::path& folder, const std::string& path) {
     return {};
 }
 
-/// Changes when the file does.
+/// Changes with the file.
 std::string key_of(const fs::path& folder, const std::string& path) {
     const fs::path csv = csv_of(folder, path), file = csv.empty() ? h5_of(folder) : csv;
     std::error_code ec;
@@ -101,7 +101,7 @@ void append(std::string& out, const std::vector<double>& values, const std::vect
     out += ']';
 }
 
-/// Rows to send: all, or the ends of the buckets of every column that has numbers there.
+/// Rows to send: all, or the extremes in each bucket of every column with numbers there.
 std::vector<std::size_t> chosen_rows(std::size_t first, std::size_t last, const std::vector<const std::vector<double>*>& values,
                                      std::size_t points) {
     const std::size_t wanted = points == 0 ? most_rows : points;
@@ -302,7 +302,7 @@ Results::Table Results::subtracted(const fs::path& folder, const fs::path& other
         while (j + 2 < tb.size() && tb[j + 1] <= t) ++j;
         if (tb.size() < 2 || t < tb.front() - 1e-6 || t > tb.back() + 1e-6) continue;
         const double part = std::clamp((t - tb[j]) / (tb[j + 1] - tb[j]), 0.0, 1.0);
-        if (tb[j + 1] - tb[j] > 1.5) continue;  // nothing of the other run there
+        if (tb[j + 1] - tb[j] > 1.5) continue;  // the other run has no data there
         const Eigen::Vector3d from = earth::ned_difference(earth, position(*b[1], j), position(*a[1], i));
         const Eigen::Vector3d to = earth::ned_difference(earth, position(*b[1], j + 1), position(*a[1], i));
         const Eigen::Vector3d away = -(from + part * (to - from));

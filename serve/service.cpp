@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What the braces of the pattern stand for, or nothing where the path is another.
+/// Matches of the braces in the pattern, or empty if the path does not match.
 bool matches(std::string_view pattern, std::string_view path, std::vector<std::string>& parts) {
     const auto wanted = io::split(pattern, '/'), given = io::split(path, '/');
     parts.clear();
@@ -33,7 +33,7 @@ bool matches(std::string_view pattern, std::string_view path, std::vector<std::s
 
 constexpr std::size_t deepest_folder = 4;
 
-/// Data set, folders inside it and file of an upload's path; nothing where it is another path.
+/// Data set, subfolders and file of an upload path; empty if the path does not match.
 std::vector<std::string> upload_parts(std::string_view path) {
     std::vector<std::string> parts = io::split(path, '/');  // "", "api", "datasets", NAME, "files", ...
     if (parts.size() < 6 || parts.size() > 6 + deepest_folder || parts[1] != "api" || parts[2] != "datasets" ||
@@ -44,7 +44,7 @@ std::vector<std::string> upload_parts(std::string_view path) {
     return parts;
 }
 
-/// What a scenario says of itself: the comment that it begins with, as far as the command that runs it.
+/// Description of a scenario: its leading comment, up to the command that runs it.
 std::string about_of(const std::string& toml) {
     std::string out;
     for (const std::string& line : io::split(toml, '\n')) {
@@ -79,7 +79,7 @@ Service::Service(ServiceSettings settings)
     add_result_routes();
     add_noise_routes();
     add_kept_routes();
-    if (!workspace_.alone()) return;  // another server is at work here: what runs is its own
+    if (!workspace_.alone()) return;  // another server is using this folder: active runs are its own
     for (const Json& run : workspace_.runs()) {
         if (run["state"] != "running" && run["state"] != "waiting") continue;
         workspace_.note(run["id"], {{"state", "failed"}, {"message", "the server ended before the run did"}});
@@ -134,7 +134,7 @@ std::unique_ptr<Upload> Service::upload(const std::string& path, std::uintmax_t 
     fs::path folder = workspace_.dataset_folder(parts[0]);
     const std::uintmax_t all = settings_.max_upload * 8, used = workspace_.uploaded_bytes();
     if (used + length >= all) throw Refusal{413, "the workspace is full", "remove data sets that are not needed"};
-    for (const std::string& part : parts)  // before the first folder is made
+    for (const std::string& part : parts)  // before the first folder is created
         if (!is_file_name(part))
             throw Refusal{400, "the name cannot be that of a file here", "letters, digits, dots and dashes are always possible"};
     for (std::size_t i = 1; i + 1 < parts.size(); ++i) {
@@ -162,10 +162,10 @@ void Service::finished(const JobReport& report) {
         std::ofstream(folder / "log.txt", std::ios::binary) << report.log;
         std::error_code ec;
         if (report.state == JobState::Done && !report.output.empty() && !fs::exists(summary, ec))
-            std::ofstream(summary, std::ios::binary) << report.output;  // a study prints it
+            std::ofstream(summary, std::ios::binary) << report.output;  // printed by a study
         workspace_.note(report.id,
                         {{"state", name_of(report.state)}, {"message", report.message}, {"exit_status", report.exit_status}});
-    } catch (const std::exception&) {  // the folder is gone: nothing to note
+    } catch (const std::exception&) {  // the folder was removed: nothing to record
     } catch (const Refusal&) {}
 }
 

@@ -1,4 +1,4 @@
-// The routes about data sets, runs and their results.
+// The routes for data sets, runs and their results.
 #include "serve/service.h"
 
 #include "schuler/core/error.h"
@@ -79,7 +79,7 @@ std::string type_of(const std::string& name) {
     return "application/octet-stream";
 }
 
-/// What a scenario or data set is given to; empty where the order names nothing that can be done with it.
+/// Command for a scenario or data set; empty if the order names no valid command.
 std::vector<std::string> words_of(const Json& order, Form form, const std::string& input) {
     const std::string command = order.value("command", "run");
     if (command == "run") return {form == Form::Scenario ? "run" : "process", input};
@@ -126,7 +126,7 @@ Json Service::understood_aside(const Json& body, Form form) {
     static std::atomic<unsigned> number{0};
     const settings::SettingList settings =
         body.contains("toml") ? settings_from_toml(body["toml"], form) : settings_from_json(body.at("settings"), form);
-    if (form == Form::Dataset) return understood(settings, form);  // no file is read, nothing is worked out
+    if (form == Form::Dataset) return understood(settings, form);  // no file is read, nothing is computed
     try {
         check_file_settings(settings);
     } catch (const Refusal& r) {
@@ -176,7 +176,7 @@ Json Service::inspected(const std::string& dataset) {
     const fs::path folder = workspace_.dataset_folder(dataset);
     Json out = asked_of_program("data set", {"inspect", folder.string(), "--json"}, folder, {});
     out["path"] = dataset;
-    // a dataset.toml of the user's own is what counts; otherwise the one that was inferred
+    // a dataset.toml of the user takes precedence; otherwise the inferred one is used
     const std::string own = text_of(folder / "dataset.toml");
     out["own_toml"] = !own.empty();
     try {
@@ -394,7 +394,7 @@ Json Service::noise_of_run(const std::string& run) {
         throw Refusal{404, "the IMU log of this run is not known here", "start it from the page, or use `schuler analyze allan`"};
     const fs::path input = workspace_.dataset_folder(dataset);
     check_dataset(input);
-    // the settings lie in the run's folder, the logs in that of the data set; neither is written
+    // the settings are in the run's folder, the logs in that of the data set; neither is written
     return asked_of_program(
         "run", {"analyze", "allan", input.string(), "--config", (folder / "settings.toml").string(), "--json"}, input, folder);
 }

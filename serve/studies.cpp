@@ -1,4 +1,4 @@
-// The studies of the program (`schuler analyze ...`) as forms, and the way from a form to a run.
+// The studies of the program (`schuler analyze ...`) as forms, and the conversion of a form to a run.
 #include "schuler/app/command.h"
 #include "schuler/core/error.h"
 #include "schuler/io/text/split.h"
@@ -20,7 +20,7 @@ using settings::OptionSpec;
 
 bool is_study(const app::Command& command) { return command.perform && command.name.starts_with("analyze "); }
 
-/// Fields of its form: files come from the workspace alone.
+/// Fields of its form: files are taken from the workspace only.
 std::vector<OptionSpec> study_fields(const app::Command& command) {
     std::vector<OptionSpec> out;
     std::ranges::copy_if(command.options, std::back_inserter(out),

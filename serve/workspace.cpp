@@ -75,7 +75,7 @@ Json files_of(const fs::path& folder) {
 std::string text_of(const fs::path& file, std::uintmax_t limit) {
     std::error_code ec;
     if (fs::is_symlink(file, ec) || !fs::is_regular_file(file, ec) || fs::file_size(file, ec) > limit)
-        return {};  // no way out of the folder
+        return {};  // must not leave the folder
     std::ostringstream text;
     text << std::ifstream(file, std::ios::binary).rdbuf();
     return text.str();
@@ -180,7 +180,7 @@ std::string Workspace::new_run(const std::string& title, const Json& fields) {
 void Workspace::note(const std::string& id, const Json& fields) {
     Json state = json_of(run_folder(id) / state_file);
     state.update(fields);
-    io::allow_overwrite(root_ / id / state_file);  // whoever touched it: the state is the server's
+    io::allow_overwrite(root_ / id / state_file);  // regardless of other changes: the state belongs to the server
     report::write_text(root_ / id / state_file, state.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 

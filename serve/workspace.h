@@ -16,7 +16,7 @@ using Json = nlohmann::ordered_json;
 /// ROOT/NAME is a run (it has run.json of the server or summary.json of the program), ROOT/data/NAME an uploaded data set.
 class Workspace {
 public:
-    /// Makes the folder where it is missing. `opened`: a data set of the user's own, read and never written; may be empty.
+    /// Creates the folder if missing. `opened`: a user data set, read but never written; may be empty.
     /// @throws Error(Input)
     Workspace(std::filesystem::path root, const std::filesystem::path& opened);
 
@@ -25,9 +25,9 @@ public:
     Workspace& operator=(const Workspace&) = delete;
 
     [[nodiscard]] const std::filesystem::path& root() const { return root_; }
-    /// Whether no other server works in this folder; decided when it is opened.
+    /// True if no other server uses this folder; determined when it is opened.
     [[nodiscard]] bool alone() const { return lock_ >= 0; }
-    /// What the page keeps beside its runs: layouts of plots. JSON; null where there is nothing yet.
+    /// Data saved by the page with its runs: plot layouts. JSON; null if there are none.
     [[nodiscard]] Json kept() const;
     void keep(const Json& what);
 
@@ -35,15 +35,15 @@ public:
     [[nodiscard]] Json runs() const;
     [[nodiscard]] Json run(const std::string& id) const;
     [[nodiscard]] std::filesystem::path run_folder(const std::string& id) const;  ///< @throws Refusal 400, 404
-    /// A folder for a new run with that title and a run.json with `fields`; returns its id.
+    /// Creates a folder for a new run with that title and a run.json with `fields`; returns its id.
     [[nodiscard]] std::string new_run(const std::string& title, const Json& fields);
     /// Adds members to run.json.
     void note(const std::string& id, const Json& fields);
     void remove_run(const std::string& id);
-    /// A hidden, empty folder for what is handed to a child, until remove_temporary().
+    /// A hidden, empty folder for files passed to a child, until remove_temporary().
     [[nodiscard]] std::filesystem::path temporary_folder(const std::string& name) const;
     void remove_temporary(const std::filesystem::path& folder) const noexcept;
-    /// Leaves of a run that did not end well what was put in, not what it began to write.
+    /// Removes the partial results of a failed run, keeping its input.
     void clear_results(const std::string& id);
 
     [[nodiscard]] Json datasets() const;  ///< {name, opened, files: [{name, bytes}]}
@@ -58,19 +58,19 @@ public:
 private:
     [[nodiscard]] std::string new_folder(const std::filesystem::path& parent, const std::string& title) const;
     std::filesystem::path root_, opened_;
-    int lock_ = -1;  ///< held as long as the server lives
+    int lock_ = -1;  ///< held during the lifetime of the server
 };
 
-/// A file that arrives piece by piece: under its name only when complete.
+/// A file received in parts: appears under its name only when complete.
 class Upload {
 public:
-    /// @throws Refusal 507 where the folder cannot be written
+    /// @throws Refusal 507 if the folder cannot be written
     Upload(const std::filesystem::path& target, std::uintmax_t limit);
     ~Upload();
     Upload(const Upload&) = delete;
     Upload& operator=(const Upload&) = delete;
 
-    /// @throws Refusal 413 beyond the limit, 507 where the disk is full
+    /// @throws Refusal 413 beyond the limit, 507 if the disk is full
     void write(const char* data, std::size_t size);
     /// @throws Refusal 507
     void commit();
@@ -81,7 +81,7 @@ private:
     std::ofstream stream_;
 };
 
-/// A text file of at most `limit` bytes; "" where there is none.
+/// A text file of at most `limit` bytes; "" if it does not exist.
 [[nodiscard]] std::string text_of(const std::filesystem::path& file, std::uintmax_t limit = 16u << 20);
 
 }  // namespace schuler::serve

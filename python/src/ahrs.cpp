@@ -19,7 +19,7 @@ py::array_t<double> wxyz(const Eigen::Quaterniond& q) { return array_of(Eigen::V
 
 void append(std::vector<double>& out, const Eigen::Quaterniond& q) { out.insert(out.end(), {q.w(), q.x(), q.y(), q.z()}); }
 
-/// Steps through a block: the attitude after each of them. `dt`: one number, or one a row.
+/// Steps through a block and returns the attitude after each sample. `dt`: one number, or one per row.
 py::array_t<double> feed(Mekf& filter, const py::object& dt, const py::object& gyro, const py::object& accel,
                          const py::object& mag) {
     Input step("dt", dt, 1), w("gyro", gyro, 3), f("accel", accel, 3), b("mag", mag, 3);

@@ -1,4 +1,4 @@
-// The HDF5 library is not made for several threads: what may use it runs alone, and without the interpreter's lock.
+// The HDF5 library is not thread-safe: functions that may use it are serialised and run without the interpreter's lock.
 #pragma once
 
 #include <pybind11/pybind11.h>
@@ -12,10 +12,10 @@ inline std::mutex& one_at_a_time() {
     return mutex;
 }
 
-/// f() without the interpreter's lock, while no other thread is in here.
+/// Calls f() without the interpreter's lock, and never from two threads at once.
 template <class F>
 auto alone(F f) {
-    const pybind11::gil_scoped_release release;  // before the other: who has that one takes this one now and then
+    const pybind11::gil_scoped_release release;  // released first: its holder may acquire the other lock
     const std::lock_guard lock(one_at_a_time());
     return f();
 }

@@ -1,4 +1,4 @@
-// Arrays of NumPy as the bindings read and make them: read where they lie, whatever their strides; handed over without a copy.
+// NumPy arrays in the bindings: read in place with any strides; returned without a copy.
 #pragma once
 
 #include "schuler/core/error.h"
@@ -24,18 +24,18 @@ namespace py = pybind11;
 /// "(100, 3)"
 [[nodiscard]] std::string shape_text(const py::array& array);
 
-/// Numbers of the user, one row a sample: of shape (n, width), or (width,) for one sample; with width 1 of shape (n,) or ().
-/// An array of doubles is read where it lies; anything else that NumPy turns into one is turned.
+/// User data, one row per sample: of shape (n, width), or (width,) for one sample; with width 1 of shape (n,) or ().
+/// An array of doubles is read in place; other types convertible by NumPy are converted.
 class Input {
 public:
     Input() = default;
-    /// None gives NaN everywhere. @throws Error(Input) naming `name` for another shape, or for what are no numbers
+    /// None gives NaN everywhere. @throws Error(Input) with `name` for another shape, or for values that are not numbers
     Input(const char* name, const py::object& values, py::ssize_t width);
 
     [[nodiscard]] bool given() const { return data_ != nullptr; }
     [[nodiscard]] bool one() const { return one_; }  ///< a single sample
     [[nodiscard]] py::ssize_t rows() const { return rows_; }
-    /// @throws Error(Input) where it has other rows than n; a single sample stands for all of them where `broadcast`
+    /// @throws Error(Input) if the number of rows differs from n; with `broadcast` a single sample applies to all of them
     void expect_rows(py::ssize_t n, bool broadcast = false);
 
     [[nodiscard]] double at(py::ssize_t row, py::ssize_t column = 0) const {
@@ -52,7 +52,7 @@ private:
     bool one_ = true;
 };
 
-/// Instants of the user: whole numbers are nanoseconds, others seconds, on the data's own axis.
+/// User instants: integers are nanoseconds, others seconds, on the data's own axis.
 class Times {
 public:
     Times(const char* name, const py::object& values);
@@ -81,7 +81,7 @@ py::array_t<T> array_of(std::vector<T> values, py::ssize_t width = 0) {
     return py::array_t<T>(std::vector<py::ssize_t>{size / width, width}, held->data(), owner);
 }
 
-/// A matrix or vector of Eigen as an array, copied.
+/// An Eigen matrix or vector as an array, copied.
 template <class Derived>
 py::array_t<double> array_of(const Eigen::MatrixBase<Derived>& m) {
     if constexpr (Derived::ColsAtCompileTime == 1) {
@@ -96,7 +96,7 @@ py::array_t<double> array_of(const Eigen::MatrixBase<Derived>& m) {
     }
 }
 
-/// A view of a member of each row of `rows`, without a copy; `owner` keeps the rows alive. `count` numbers a row (0: one, of rank one).
+/// A view of a member of each row of `rows`, without a copy; `owner` keeps the rows alive. `count` numbers per row (0: rank one).
 template <class T, class Row>
 py::array view_of(const std::vector<Row>& rows, const T* first, py::ssize_t count, const py::handle& owner) {
     const auto n = static_cast<py::ssize_t>(rows.size());

@@ -1,4 +1,4 @@
-// The commands of the program: what each accepts, and their performance with progress, Ctrl-C and without the interpreter's lock.
+// The commands of the program: their options, and their execution with progress, Ctrl-C and without the interpreter's lock.
 #include "alone.h"
 #include "values.h"
 
@@ -63,11 +63,11 @@ py::list commands() {
     return out;
 }
 
-/// Thrown through a computation that is no longer wanted; of no type that the library catches.
+/// Thrown to cancel a computation; of a type that the library does not catch.
 struct Stopped {};
 
-/// A computation on a thread of its own. The calling thread waits, and takes the interpreter's lock only to show how far it is and to
-/// look for Ctrl-C.
+/// A computation in a separate thread. The calling thread waits, and acquires the interpreter's lock only to report progress and
+/// to check for Ctrl-C.
 class Work {
 public:
     explicit Work(std::function<report::Outcome(const std::function<void(double)>&)> work)
@@ -91,7 +91,7 @@ public:
     Work(const Work&) = delete;
     Work& operator=(const Work&) = delete;
 
-    /// True when it is done; false after `wait` without that.
+    /// True when it is done; false on timeout after `wait`.
     bool done_within(std::chrono::milliseconds wait) {
         std::unique_lock lock(mutex_);
         return changed_.wait_for(lock, wait, [this] { return done_; });

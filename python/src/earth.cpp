@@ -34,7 +34,7 @@ Geodetic geodetic(const Input& in, py::ssize_t i) { return {in.at(i, 0), in.at(i
 void put(const Eigen::Vector3d& v, double* to) { Eigen::Map<Eigen::Vector3d>{to} = v; }
 void put(const Geodetic& g, double* to) { put(Eigen::Vector3d(g.lat, g.lon, g.h), to); }
 
-/// Two arrays row by row; one of them may be a single row that stands for all.
+/// Two arrays row by row; one of them may be a single row that applies to all.
 py::ssize_t rows_of_both(Input& a, Input& b) {
     const py::ssize_t n = a.one() ? b.rows() : a.rows();
     a.expect_rows(n, true);

@@ -1,4 +1,4 @@
-// The compiled part of the Python package `schuler`: it passes values on and holds no algorithm of its own.
+// The compiled part of the Python package `schuler`: it passes values on and contains no algorithms.
 #include "arrays.h"
 
 PYBIND11_MODULE(_schuler, m) {

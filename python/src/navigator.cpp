@@ -13,7 +13,7 @@ namespace {
 
 using filter::FeedStatus;
 
-/// Settings of a stream: what a batch run finds by looking at the whole log is off unless the user asks for it, which is refused then.
+/// Settings of a stream: functions of a batch run that require the whole log are off unless requested, and then rejected.
 settings::Config config_of_stream(const py::dict& given) {
     const auto usual = [](const char* key, settings::Value value) {
         return settings::Setting{key, std::move(value), {"settings", 0, 0, key}};
@@ -222,7 +222,7 @@ py::object StreamNavigator::feed_ranges(const py::object& time, const std::vecto
 py::dict StreamNavigator::feed(const SharedRecording& shared) {
     const Recording& r = *shared.recording;
     std::array<std::size_t, 9> next{};
-    std::vector<std::uint16_t> source;  // of the navigator, by that of the log
+    std::vector<std::uint16_t> source;  // index in the navigator, by index in the log
     for (const RangeSource& s : r.ranges.sources) source.push_back(navigator_.range_source(s.name, s.station).value_or(0xffff));
     const filter::FeedCounters before = navigator_.counters();
     {

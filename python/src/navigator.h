@@ -1,4 +1,4 @@
-// A navigator with what it has said and nobody has asked for yet.
+// A navigator with its output not yet fetched.
 #pragma once
 
 #include "arrays.h"
@@ -13,12 +13,12 @@
 
 namespace schuler::python {
 
-/// What became of samples: one status, or an array of them as long as the times.
+/// Status of samples: a single one, or an array as long as the times.
 [[nodiscard]] py::object statuses(std::vector<std::uint8_t> list, bool one);
 
 class StreamNavigator {
 public:
-    /// @throws Error(Input) for settings that cannot be
+    /// @throws Error(Input) for invalid settings
     StreamNavigator(const py::dict& settings, double imu_interval, const py::dict& rates, double lag, double still_delay,
                     double longest_hole);
 
@@ -33,11 +33,11 @@ public:
     py::object feed_body_velocity(const py::object& time, const py::object& velocity);
     py::object feed_ranges(const py::object& time, const std::vector<std::string>& names, const std::vector<bool>& station,
                            const py::dict& columns);
-    /// All instruments of a recording in the order of their times.
+    /// All instruments of a recording in time order.
     py::dict feed(const SharedRecording& shared);
 
     [[nodiscard]] filter::Navigator& navigator() { return navigator_; }
-    /// Those that were not asked for yet.
+    /// Rows not yet fetched.
     [[nodiscard]] std::vector<SolutionRow> take_rows();
     [[nodiscard]] std::vector<filter::NavigatorEvent> take_events();
     [[nodiscard]] py::dict counters() const;
@@ -47,7 +47,7 @@ private:
     /// Feeds sample i of n made by make(i), without the interpreter's lock.
     template <class Make>
     py::object feed_all(py::ssize_t n, bool one, Make make);
-    /// Rows and events are kept here: the navigator keeps the last ones only.
+    /// Rows and events are stored here, because the navigator keeps only the most recent ones.
     void collect();
 
     filter::Navigator navigator_;

@@ -1,4 +1,4 @@
-// Data sets as arrays that lie in the memory of the recording itself.
+// Data sets as arrays in the memory of the recording itself.
 #include "recording.h"
 
 #include "alone.h"
@@ -38,7 +38,7 @@ SharedRecording opened(const Path& path, const py::dict& given) {
     });
 }
 
-/// Arrays of a channel; the capsule keeps the recording in memory as long as one of them lives.
+/// Arrays of a channel; the capsule keeps the recording in memory during their lifetime.
 template <class Row>
 class Channel {
 public:

@@ -1,4 +1,4 @@
-// The instruments of a data set in memory, shared between Python's views of it.
+// The instruments of a data set in memory, shared between Python views.
 #pragma once
 
 #include "arrays.h"
@@ -16,8 +16,8 @@ struct SharedRecording {
     std::shared_ptr<const Recording> recording;
     ImuKind imu_kind = ImuKind::Rates;
     double origin = 0.0;        ///< s, zero of the command line's times
-    std::string config_toml;    ///< settings of the data set as loading has settled them
-    std::string inferred_toml;  ///< the dataset.toml that was inferred; empty where there is one
+    std::string config_toml;    ///< settings of the data set as completed by loading
+    std::string inferred_toml;  ///< the inferred dataset.toml; empty if there is one
     std::vector<std::string> warnings;
 };
 

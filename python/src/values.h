@@ -1,4 +1,4 @@
-// Values of Python as values of settings, and back.
+// Conversion between Python values and setting values.
 #pragma once
 
 #include "arrays.h"
@@ -7,10 +7,10 @@
 
 namespace schuler::python {
 
-/// bool, int, float, str, a path, a list, tuple or array of these, a dict. @throws Error(Input) naming `key` for anything else
+/// bool, int, float, str, a path, a list, tuple or array of these, a dict. @throws Error(Input) with `key` for anything else
 [[nodiscard]] settings::Value value_from(const py::handle& object, const std::string& key);
 
-/// The value of an option as its command takes it: a path as text, words with commas between them as a list, on and off of a flag.
+/// The value of an option as expected by its command: a path as text, a list for comma-separated words, on and off for a flag.
 [[nodiscard]] settings::Value value_for(const settings::OptionSpec& spec, const py::handle& object);
 
 [[nodiscard]] py::object object_of(const settings::Value& value);

@@ -17,7 +17,7 @@ using Parameters = Eigen::Matrix<double, ellipsoid_parameters, 1>;
 using Information = Eigen::Matrix<double, ellipsoid_parameters, ellipsoid_parameters>;
 
 constexpr int iterations = 20;
-constexpr double outlier = 2.5;  // sigma, beyond which a reading weighs less
+constexpr double outlier = 2.5;  // sigma, beyond which a reading is down-weighted
 
 Parameters parameters_of(const EllipsoidFit& f) {
     Parameters p;

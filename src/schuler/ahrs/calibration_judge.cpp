@@ -1,4 +1,4 @@
-// What held-out parts of a log say of a calibration.
+// Evaluation of a calibration with held-out parts of a log.
 #include "schuler/ahrs/calibration.h"
 #include "schuler/core/units.h"
 #include "schuler/math/rotation.h"
@@ -18,20 +18,20 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr int parts = 4;                     // the log in turns: stretches 0, 4, 8, ... are part 0
+constexpr int parts = 4;                     // interleaved parts of the log: intervals 0, 4, 8, ... are part 0
 constexpr double stretch = 8.0;              // s
-constexpr std::size_t pieces = 8;            // and one after the other, in each of which a calibration has to hold
+constexpr std::size_t pieces = 8;            // consecutive parts, in each of which a calibration must be valid
 constexpr double worse_piece = 1.2;          // of the mean square there
-constexpr double least_turning = 0.1e-6;     // T, by which it does not matter
-constexpr double clear_gain = 0.9;           // a quantity has improved where its mean square has fallen to this share
-constexpr double largest_offset_std = 1e-6;  // T; the filters find a hard iron of some 2 uT by themselves
-constexpr double tolerated = 1.02;           // and it is no worse below this
+constexpr double least_turning = 0.1e-6;     // T, below which it is irrelevant
+constexpr double clear_gain = 0.9;           // a quantity has improved if its mean square has fallen to this fraction
+constexpr double largest_offset_std = 1e-6;  // T; the filters themselves determine a hard iron of about 2 uT
+constexpr double tolerated = 1.02;           // and is not worse below this
 
-/// One magnetometer reading with what gyro and accelerometer say of it.
+/// One magnetometer reading with the corresponding gyro and accelerometer data.
 struct Reading {
-    Vector3d field, next;  // T; `next` some 0.2 s later
+    Vector3d field, next;  // T; `next` about 0.2 s later
     Matrix3d turn;         // C of the later body axes from these, by the gyro
-    Vector3d down;         // against the specific force; zero where that is not gravity
+    Vector3d down;         // opposite to the specific force; zero if that is not gravity alone
     int part = 0;
 };
 
@@ -66,7 +66,7 @@ std::vector<Reading> readings_of(std::span<const ImuSample> imu, std::span<const
     return out;
 }
 
-/// Mean squares over readings, each in units of the field's own size.
+/// Mean squares over readings, each relative to the magnitude of the field.
 struct Disagreement {
     double size = 0.0, dip = 0.0, turning = 0.0;
 };
@@ -103,8 +103,8 @@ void add(Disagreement& d, const std::vector<Reading>& readings, int part, Calibr
     if (dipped > 0.0) d.dip += sum.dip / dipped;
 }
 
-/// Turning of the field against the gyro's, mean square (T^2), in each of some pieces of the log, one after the other; NaN where there are
-/// few readings.
+/// Mean square difference (T^2) between the rotation of the field and the gyro's, in each of several consecutive parts of the
+/// log; NaN where there are few readings.
 template <class Calibrated>
 std::array<double, pieces> turning_by_pieces(const std::vector<Reading>& readings, Calibrated calibrated) {
     constexpr double enough = 10.0;
@@ -153,7 +153,7 @@ JudgedCalibration judge_magnetometer(std::span<const ImuSample> imu, std::span<c
     prior.offset_std = 50e-6;
     prior.gain_std = 0.05;
     prior.noise = 0.5e-6;
-    prior.alike = 10.0;  // 2 s: places disturb for as long
+    prior.alike = 10.0;  // 2 s: the duration of local disturbances
     Disagreement before, after;
     for (int part = 0; part < parts; ++part) {
         const auto fit = fit_ellipsoid(fields_without(readings, part), size, prior);
@@ -197,7 +197,7 @@ JudgedCalibration judge_magnetometer(std::span<const ImuSample> imu, std::span<c
         return out;
     }
     if (!fit) return out;
-    // a magnet that was there for a while only is in one piece of the log and not in the others; the noise of a weak instrument grows with its gain
+    // a temporary magnet is present in one part of the log only; the noise of a weak instrument increases with its gain
     const double gain = fit->gain.trace() / 3.0;
     const auto as_given = turning_by_pieces(readings, [gain](const Vector3d& f) -> Vector3d { return gain * f; });
     const auto calibrated = turning_by_pieces(readings, [&](const Vector3d& f) { return fit->apply(f); });
@@ -224,7 +224,7 @@ JudgedCalibration judge_accelerometer(std::span<const ImuSample> imu, double gra
     prior.offset_std = 0.1;
     prior.gain_std = 0.005;
     prior.noise = 0.01;
-    // one reading an attitude, so that a long rest does not outvote the others: mean direction and mean size
+    // one reading per attitude, so that a long rest does not dominate: mean direction and mean magnitude
     std::vector<Vector3d> means;
     for (const auto& a : attitudes) {
         Vector3d sum = Vector3d::Zero();

@@ -57,7 +57,7 @@ void DcmFilter::accelerometer(const Eigen::Vector3d& force_b) {
 
 void DcmFilter::magnetometer(const Eigen::Vector3d& field_b) {
     const double r = settings_.field_std / settings_.horizontal_field;
-    // the field points down by the vertical component: m = H north - Z up
+    // the field has a downward vertical component: m = H north - Z up
     const Eigen::Vector3d measured = (field_b + settings_.vertical_field * up_) / settings_.horizontal_field;
     const Eigen::Vector3d east = north_.cross(up_);
     const double before = east.dot(P_north_ * east);
@@ -70,7 +70,7 @@ void DcmFilter::magnetometer(const Eigen::Vector3d& field_b) {
 }
 
 Eigen::Matrix3d DcmFilter::C_nb() const {
-    // between accelerometer updates the north row is only as orthogonal as the last magnetometer update left it
+    // between accelerometer updates the north row is orthogonal only as of the last magnetometer update
     const Eigen::Vector3d north = (north_ - north_.dot(up_) * up_).normalized();
     Eigen::Matrix3d C_nb;
     C_nb.row(0) = north.transpose();

@@ -1,6 +1,6 @@
-// Paper B's first filter: two three-state Kalman filters on rows of the direction-cosine matrix. The accelerometer corrects the
-// vertical row; the magnetometer, less the known vertical field, the north row, which is then made orthogonal to the vertical
-// one, so that nothing magnetic reaches roll and pitch. No bias state. [LakozaMeleshko2014], with the corrections E3 of math.md.
+// Paper B's first filter: two three-state Kalman filters for rows of the direction-cosine matrix. The accelerometer corrects the
+// vertical row; the magnetometer, less the known vertical field, the north row, which is then orthogonalised to the vertical one,
+// so that magnetic data do not affect roll and pitch. No bias state. [LakozaMeleshko2014], with the corrections E3 of math.md.
 #pragma once
 
 #include "schuler/ahrs/tilt_leak.h"
@@ -12,7 +12,7 @@ namespace schuler::ahrs {
 
 class DcmFilter {
 public:
-    /// @throws Error(Input) for settings that cannot be used.
+    /// @throws Error(Input) for invalid settings.
     explicit DcmFilter(const VectorFilterSettings& settings);
 
     /// Rotation over dt (s) at rate_b (rad/s, body axes).
@@ -23,7 +23,7 @@ public:
     void magnetometer(const Eigen::Vector3d& field_b);
     /// C_nb for north-east-down and forward-right-down.
     [[nodiscard]] Eigen::Matrix3d C_nb() const;
-    /// Covariance of the small rotation in n, rad^2, with what the tilt has put into the heading.
+    /// Covariance of the small rotation in n, rad^2, including the effect of the tilt on the heading.
     [[nodiscard]] Eigen::Matrix3d covariance_phi() const;
 
 private:

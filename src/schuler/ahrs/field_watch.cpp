@@ -8,10 +8,10 @@ namespace schuler::ahrs {
 namespace {
 
 constexpr double clearly = 3.0;          // logarithm of the odds: 20 to 1
-constexpr double better = 1.0;           // the same, of one explanation against the other
-constexpr double told_apart = 0.5;       // rad of turning, without which a magnet and a new place look the same
-constexpr double disturbed_long = 10.0;  // s, after which a magnet may have come or gone
-constexpr double longest = 120.0;        // s after which a magnet that came later would have shown, and a tie is one
+constexpr double better = 1.0;           // the same, of one hypothesis relative to the other
+constexpr double told_apart = 0.5;       // rad of rotation, without which a magnet and a new place cannot be separated
+constexpr double disturbed_long = 10.0;  // s, after which a magnet may have been attached or removed
+constexpr double longest = 120.0;        // s after which a later magnet would have been detected, and a tie is accepted
 
 HeadingSettings with_magnet(HeadingSettings settings) {
     settings.hard_iron_std = std::max(settings.hard_iron_std, settings.magnet_std);
@@ -57,7 +57,7 @@ void FieldWatch::close(HeadingChannel& heading, const Block& block, const Eigen:
     if (std::max(magnet, place) > clearly) {
         if (std::abs(magnet - place) < better || (place_ && turned_ < told_apart)) {
             if (age_ < longest) return;
-            // something has changed, and nothing tells what: either may be
+            // a change occurred whose cause is unknown: both are possible
             heading.doubt_iron(std::max(settings_.magnet_std, heading.unexplained()));
             heading.doubt_place(heading.unexplained());
             ++counters.recoveries;
@@ -66,7 +66,7 @@ void FieldWatch::close(HeadingChannel& heading, const Block& block, const Eigen:
             ++(magnet > place ? counters.magnets : counters.recoveries);
         }
     } else if (magnet_->hard_iron_std() > settings_.hard_iron_std && age_ < longest) {
-        return;  // undecided: it has not turned enough
+        return;  // undecided: insufficient rotation
     }
     place_.reset();
     magnet_.reset();

@@ -1,8 +1,8 @@
-// A magnet on the sensor, or none; the same place, or another? The heading channel expects a small hard iron and a room that stays as it
-// is, which is right for most logs and lets it trust the field at once. Beside it runs from the start a second one that expects a magnet,
-// and in a disturbance that lasts a third that expects another room. Which is right the samples say as soon as the sensor turns: each
-// channel keeps count of how probable they were to it, and the one that is clearly ahead is taken over. Where two are, and nothing tells
-// them apart for long, the heading channel is opened for both.
+// Tests of hypotheses about the field: a magnet on the sensor, or a change of place. The heading channel assumes a small hard
+// iron and a constant local field, which is correct for most logs and allows immediate use of the field. From the start a second
+// channel that assumes a magnet runs in parallel, and in a lasting disturbance a third that assumes a new place. The samples
+// discriminate between them as soon as the sensor turns: each channel accumulates its likelihood, and one that is clearly ahead
+// replaces the estimate. If two cannot be separated for long, the uncertainty of the heading channel is increased to cover both.
 #pragma once
 
 #include "schuler/ahrs/heading_channel.h"
@@ -17,15 +17,15 @@ public:
 
     /// Before the heading channel closes a block.
     void share(const HeadingChannel& heading);
-    /// After it has: the other channels close the block too; `heading` may take over their estimate.
+    /// After it has done so: the other channels close the block too; `heading` may adopt their estimate.
     void close(HeadingChannel& heading, const Block& block, const Eigen::Vector3d& bias, Counters& counters);
 
 private:
     HeadingSettings settings_;
     std::optional<HeadingChannel> magnet_, place_;
-    double begin_ = 0.0;   ///< evidence of the heading channel when the others began
-    double age_ = 0.0;     ///< s, of the others, or since the last
-    double turned_ = 0.0;  ///< rad, since the third began
+    double begin_ = 0.0;   ///< evidence of the heading channel when the others started
+    double age_ = 0.0;     ///< s, of the others, or since the last ones
+    double turned_ = 0.0;  ///< rad, since the third started
 };
 
 }  // namespace schuler::ahrs

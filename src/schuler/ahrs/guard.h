@@ -1,4 +1,4 @@
-// Samples that would poison a filter: not finite, saturated, stuck. Left out and counted.
+// Samples that would corrupt a filter: not finite, saturated, frozen. Excluded and counted.
 #pragma once
 
 #include "schuler/ahrs/settings.h"
@@ -9,7 +9,7 @@
 
 namespace schuler::ahrs {
 
-/// What one instrument delivered.
+/// Sample statistics of one instrument.
 struct InstrumentCount {
     std::size_t samples = 0, not_finite = 0, saturated = 0, stuck = 0;
 
@@ -18,20 +18,20 @@ struct InstrumentCount {
 
 struct Counters {
     InstrumentCount gyro, accel, field;
-    std::size_t gaps = 0;              ///< steps longer than GuardSettings::longest_step
+    std::size_t gaps = 0;              ///< intervals longer than GuardSettings::longest_step
     std::size_t rest_blocks = 0;       ///< blocks at rest
-    std::size_t disturbed_blocks = 0;  ///< blocks whose field was taken for disturbed
-    std::size_t recoveries = 0;        ///< times the field was learnt anew
-    std::size_t magnets = 0;           ///< times a magnet was found on the sensor, or gone from it
+    std::size_t disturbed_blocks = 0;  ///< blocks with a disturbed field
+    std::size_t recoveries = 0;        ///< number of times the field was relearnt
+    std::size_t magnets = 0;           ///< number of times a magnet was detected on the sensor, or its removal
 };
 
-/// Judges the triples of one instrument in their order.
+/// Checks the samples of one instrument in order.
 class InstrumentGuard {
 public:
     /// `range`: of each axis.
     InstrumentGuard(const Eigen::Vector3d& range, int stuck_after) : range_(range), stuck_after_(stuck_after) {}
 
-    /// Whether the triple can be used; counts it where not.
+    /// True if the sample can be used; counts it otherwise.
     [[nodiscard]] bool usable(const Eigen::Vector3d& v, InstrumentCount& count) {
         ++count.samples;
         if (!v.allFinite()) {

@@ -14,8 +14,8 @@ using S = HeadingState;
 
 constexpr double squared(double x) { return x * x; }
 
-constexpr double strongest_field = 70e-6;  // T, of the Earth; what a reading has beyond it is iron
-constexpr double unknown_heading_variance = squared(std::numbers::pi) / 3.0;  // rad^2, uniform, until the field is seen
+constexpr double strongest_field = 70e-6;  // T, of the Earth; the excess of a reading is due to iron
+constexpr double unknown_heading_variance = squared(std::numbers::pi) / 3.0;  // rad^2, uniform, until a field is measured
 constexpr double tail = 4.0;                                                  // degrees of freedom of the field's disturbances
 constexpr double shortest_memory = 1e-3;
 constexpr double disturbed_level = 3.0;
@@ -38,7 +38,7 @@ void HeadingChannel::gather(const Eigen::Matrix3d& C_wb, const Eigen::Vector3d& 
     ++samples_;
 }
 
-/// Variance of the direction of the level field, which for a field that is hardly known is that of an unknown heading.
+/// Variance of the direction of the level field; for a poorly known field that of an unknown heading.
 double HeadingChannel::variance() const {
     if (!started_ && six_axis_) return squared(free_turn_.std_since({}));
     if (!started_ || forget_) return unknown_heading_variance;
@@ -48,7 +48,7 @@ double HeadingChannel::variance() const {
     return size2 > 0.0 ? std::min(unknown_heading_variance, square / (size2 * size2)) : unknown_heading_variance;
 }
 
-/// The first reading is the field and the irons: what the irons are not known to be, the field is not either.
+/// The first reading is the field plus the irons: the uncertainty of the irons is also that of the field.
 void HeadingChannel::start(const Block& block, const Eigen::Vector3d& bias) {
     if (six_axis_ || samples_ == 0) return;
     FieldMeans means = means_;
@@ -65,7 +65,7 @@ void HeadingChannel::start(const Block& block, const Eigen::Vector3d& bias) {
     variance.segment<9>(S::soft_iron).setConstant(squared(settings_.soft_iron_std));
     variance(S::delay) = squared(settings_.delay_std);
     P_ = variance.asDiagonal();
-    // the field is the reading less the irons
+    // the field is the reading minus the irons
     Eigen::Matrix<double, 3, heading_states> H = field_measurement(estimate_, means).H;
     H.col(0).setZero();
     H.col(1).setZero();
@@ -79,10 +79,10 @@ void HeadingChannel::start(const Block& block, const Eigen::Vector3d& bias) {
     }
     for (int i = 0; i < 3; ++i) {
         for (int k = 0; k < 3; ++k) P_(place[i], place[k]) = field(i, k);
-        // the one place where it is
+        // local contribution at the current position
         P_(place[i], place[i]) += squared(settings_.field_noise) + squared(settings_.place_std);
     }
-    // levelled by a force that was not gravity alone, the vertical field has a horizontal part
+    // if levelled by a force that included accelerations, the vertical field has a horizontal component
     P_(S::level_field, S::level_field) += squared(estimate_.vertical) * block.P_tilt(1, 1);
     P_(S::level_field + 1, S::level_field + 1) += squared(estimate_.vertical) * block.P_tilt(0, 0);
     if (settings_.known_field_n.allFinite()) {
@@ -101,13 +101,13 @@ void HeadingChannel::start(const Block& block, const Eigen::Vector3d& bias) {
     started_ = true;
 }
 
-/// Variance of the turn of a block that is noise, rad^2.
+/// Variance of the noise part of a block's rotation, rad^2.
 double HeadingChannel::turn_noise(const Block& block) const {
     return (squared(settings_.walk) + squared(tilt_.gyro_noise)) * block.duration + squared(settings_.turn_noise) * block.turned +
            squared(block.doubt);
 }
 
-/// The strapdown of the block goes on with the bias and the matrix of this channel instead of those that it has used.
+/// Applies the strapdown of the block with the bias and matrix of this channel instead of those used before.
 void HeadingChannel::pass(const Block& block) {
     const double dt = block.duration;
     const HeadingTurn turn = heading_turn(estimate_, block);
@@ -118,7 +118,7 @@ void HeadingChannel::pass(const Block& block) {
     duration_ += dt;
 }
 
-/// Transition I + E A, where A are the rows of the states in w axes: their errors turn with them, and err with what they were turned by.
+/// Transition I + E A, where A are the rows of the states in w axes: their errors rotate with them, and with the rotation's error.
 void HeadingChannel::propagate(TurningRows& A) {
     constexpr int n = S::turning;
     const double keep = std::exp(-duration_ / settings_.place_time);
@@ -129,7 +129,7 @@ void HeadingChannel::propagate(TurningRows& A) {
     A = across * turn_row_.transpose();
     A.middleCols<2>(S::level_field).topRows<2>() += R - Eigen::Matrix2d::Identity();
     A.middleCols<2>(S::place).bottomRows<2>() += keep * R - Eigen::Matrix2d::Identity();
-    if (forget_) {  // levelled anew, w points anywhere
+    if (forget_) {  // after a new levelling the azimuth of w is arbitrary
         A.setZero();
         A.leftCols<n>().diagonal().setConstant(-1.0);
         estimate_.place.setZero();
@@ -152,7 +152,7 @@ void HeadingChannel::propagate(TurningRows& A) {
 }
 
 void HeadingChannel::close(const Block& block, const Eigen::Vector3d& bias, Counters& counters, HeadingRecord* record) {
-    if (block.levelled) {  // the samples gathered so far belong to a horizon that was none
+    if (block.levelled) {  // the samples gathered so far refer to an invalid horizon
         means_ = FieldMeans{};
         samples_ = 0;
         forget_ = true;
@@ -160,7 +160,7 @@ void HeadingChannel::close(const Block& block, const Eigen::Vector3d& bias, Coun
     free_turn_.noise += turn_noise(block);
     free_turn_.drift += block.down_bias_std * block.duration;
     if (block.levelled) ++free_turn_.levellings;
-    if (!started_) {  // without a magnetometer the heading is the tilt channel's own, from zero
+    if (!started_) {  // without a magnetometer the heading is that of the tilt channel, starting at zero
         start(block, bias);
     } else {
         pass(block);
@@ -190,7 +190,7 @@ void HeadingChannel::update(const Block& block, Counters& counters, HeadingRecor
     if (samples_ > 0) {
         means_.scale(1.0 / samples_);
         const FieldMeasurement m = field_measurement(estimate_, means_, rest);
-        // how improbable norm, dip and direction are together, now and lately
+        // joint improbability of norm, dip and direction, current and recent
         double nis = 0.0, spread = 0.0;
         for (int i = 0; i < 3; ++i) {
             const HeadingVector h = m.H.row(i).transpose();
@@ -198,18 +198,18 @@ void HeadingChannel::update(const Block& block, Counters& counters, HeadingRecor
             nis += squared(m.innovation(i) / settings_.field_noise) / share / 3.0;
             spread += std::log(share);
         }
-        // Student's distribution, since places disturb by more than a normal one says; samples that tell the same count once
+        // Student's distribution, because local disturbances exceed a normal distribution; correlated samples count once
         const double fresh = std::min(1.0, duration_ / (2.0 * settings_.field_time)) / (rest ? settings_.rest_factor : 1.0);
         evidence_ -= fresh * 0.5 * (spread + (tail + 3.0) * std::log1p(3.0 * nis / tail));
         unexplained_ = m.innovation.norm();
         level_ += duration_ / (settings_.adaptation_time + duration_) * (nis - level_);
         const bool known = record != nullptr && std::isfinite(record->disturbance);
         const double disturbance = known ? std::max(1.0, record->disturbance) : std::max({1.0, level_, nis});
-        // what has lasted so long has at least that memory: it tells no more for being measured again
+        // a long disturbance is correlated at least over its duration: repeated measurements add no information
         double factor = std::pow(disturbance, settings_.robustness) * std::max(1.0, disturbed_for_ / settings_.field_time);
         if (rest) factor *= settings_.rest_factor * std::max(1.0, block.rest_time / 5.0);
         const double r = squared(settings_.field_noise) * 2.0 * settings_.field_time / duration_ * factor;
-        // the tilt error, with its memory, as white noise of the same effect on what is slower than it
+        // the correlated tilt error, as white noise of the same effect on slower variations
         const double memory =
             (1.0 + block.tilt_kept) / std::max(1.0 - block.tilt_kept, shortest_memory) * block.duration / duration_;
         const double tilt = squared(estimate_.vertical) * memory;

@@ -1,8 +1,8 @@
-// Heading channel: how far the level frame w is turned from north, from the magnetometer. It reads the tilt channel and never
-// writes to it, so no magnetic disturbance can tilt the horizon.
+// Heading channel: rotation of the level frame w from north, from the magnetometer. It reads the tilt channel but never writes to
+// it, so no magnetic disturbance can tilt the horizon.
 //
-// What a place adds to the Earth's field is noise with a memory; the more norm, dip or direction depart from what is expected, and
-// the longer, the less the sample weighs. Nothing is dropped. The states are those of heading_model.h.
+// The local contribution to the Earth's field is correlated noise; the more norm, dip or direction depart from their expectation,
+// and the longer, the lower the weight of a sample. No sample is discarded. The states are those of heading_model.h.
 #pragma once
 
 #include "schuler/ahrs/block.h"
@@ -22,29 +22,29 @@ namespace schuler::ahrs {
 
 using TurningRows = Eigen::Matrix<double, HeadingState::turning, heading_states>;
 
-/// What the smoother needs of one update: the transition since the update before and the scalars.
+/// Data of one update required by the smoother: the transition since the previous update and the scalars.
 struct HeadingRecord {
-    bool active = false;                           ///< there was an update; otherwise the block was only passed through
-    std::size_t block = 0;                         ///< of the tilt channel, at the end of which it was
-    TurningRows transition = TurningRows::Zero();  ///< rows of the states in w axes, less the identity
+    bool active = false;                           ///< there was an update; otherwise the block was only propagated
+    std::size_t block = 0;                         ///< block of the tilt channel at whose end it was made
+    TurningRows transition = TurningRows::Zero();  ///< rows of the states in w axes, minus the identity
     Eigen::Matrix<double, heading_states, 2> P_level =
         Eigen::Matrix<double, heading_states, 2>::Zero();  ///< columns of the covariance after the updates
     Eigen::Vector2d path = Eigen::Vector2d::Zero();        ///< T, level field at the end of the block before the updates
-    Eigen::Vector2d correction = Eigen::Vector2d::Zero();  ///< T, which the updates took off
+    Eigen::Vector2d correction = Eigen::Vector2d::Zero();  ///< T, removed by the updates
     std::array<estim::ScalarUpdate<heading_states>, 6> updates;
     int count = 0;
     bool field = false;  ///< the last three of them are the magnetometer's
-    /// In: what an earlier pass has found to be left of the field, squared, of what is expected; NaN: judged by the innovation.
+    /// Input: squared residual of the field relative to its expectation, found by an earlier pass; NaN: judged by the innovation.
     double disturbance = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// What the gyro alone leaves unknown of the heading. The error of its bias lasts, so that its turns add up; their noise adds in squares.
+/// Heading uncertainty from the gyro alone. Its bias error is constant, so rotations add up linearly; its noise adds in squares.
 struct FreeTurn {
     double noise = 0.0;  ///< rad^2
     double drift = 0.0;  ///< rad, one sigma
-    int levellings = 0;  ///< after each of them w points anywhere
+    int levellings = 0;  ///< after each of them the azimuth of w is arbitrary
 
-    /// One sigma of the turn since `before`, rad; no more than that of an unknown heading.
+    /// One sigma of the rotation since `before`, rad; at most that of an unknown heading.
     [[nodiscard]] double std_since(const FreeTurn& before) const;
 };
 
@@ -52,18 +52,18 @@ class HeadingChannel {
 public:
     HeadingChannel(const HeadingSettings& settings, const TiltSettings& tilt, bool six_axis);
 
-    /// A usable magnetometer sample (T) with the attitude and the rate (bias taken off) at its time.
+    /// A usable magnetometer sample (T) with the attitude and the bias-corrected rate at its time.
     void gather(const Eigen::Matrix3d& C_wb, const Eigen::Vector3d& rate_b, const Eigen::Vector3d& field_b);
     /// Filter update over a block of the tilt channel. `bias`: that channel's gyro bias after it.
     void close(const Block& block, const Eigen::Vector3d& bias, Counters& counters, HeadingRecord* record = nullptr);
 
     [[nodiscard]] bool started() const { return started_; }
-    /// Rotation of w about the vertical from north-east-down, rad; with the declination where one was given.
+    /// Rotation of w about the vertical from north-east-down, rad; includes the declination if given.
     [[nodiscard]] double heading() const { return estimate_.heading() + settings_.declination; }
-    /// The same as a rotation; kept, since it is wanted at every sample and changes once a block.
+    /// The same as a rotation; stored because it is needed at every sample but changes once per block.
     [[nodiscard]] const Eigen::Quaterniond& q_nw() const { return q_nw_; }
     [[nodiscard]] double variance() const;  ///< rad^2
-    /// Where no field is seen: by how much w may have turned since the first block; none after it was levelled anew.
+    /// Without any field: possible rotation of w since the first block; undefined after a new levelling.
     [[nodiscard]] const FreeTurn& free_turn() const { return free_turn_; }
     [[nodiscard]] const Eigen::Vector3d& hard_iron() const { return estimate_.hard_iron; }
     [[nodiscard]] double horizontal_field() const { return estimate_.horizontal(); }
@@ -72,20 +72,20 @@ public:
     [[nodiscard]] const HeadingEstimate& estimate() const { return estimate_; }
     [[nodiscard]] double disturbance() const { return level_; }            ///< about 1 in an undisturbed field
     [[nodiscard]] double disturbed_for() const { return disturbed_for_; }  ///< s
-    /// T, one sigma of the hard iron in its worst known direction; and of what the last field left, unexplained.
+    /// T, one sigma of the hard iron in its least determined direction; and of the unexplained part of the last field.
     [[nodiscard]] double hard_iron_std() const;
     [[nodiscard]] double unexplained() const { return unexplained_; }
-    /// How probable the field's samples so far have been to this channel: logarithm, to a constant common to all channels.
+    /// Log-likelihood of the field's samples so far for this channel, up to a constant common to all channels.
     [[nodiscard]] double evidence() const { return evidence_; }
 
-    // another opinion of the same samples: see field_watch.h
-    /// Takes the samples that wait for an update from another channel.
+    // alternative hypotheses about the same samples: see field_watch.h
+    /// Takes the samples pending for an update from another channel.
     void share_samples(const HeadingChannel& other);
-    /// A magnet of this size (T) may just have been put on the sensor, or taken off.
+    /// A magnet of this strength (T) may just have been attached to the sensor or removed.
     void doubt_iron(double std);
-    /// The field of the place may just have changed by so much (T).
+    /// The local field may just have changed by this amount (T).
     void doubt_place(double std);
-    /// Takes over the estimate of another channel.
+    /// Adopts the estimate of another channel.
     void adopt(const HeadingChannel& other);
 
 private:
@@ -103,7 +103,7 @@ private:
     HeadingMatrix P_ = HeadingMatrix::Zero();
     FieldMeans means_;  ///< sums, until the update
     int samples_ = 0;
-    HeadingVector turn_row_ = HeadingVector::Zero();      ///< derivative of the turn since the last update
+    HeadingVector turn_row_ = HeadingVector::Zero();      ///< derivative of the rotation since the last update
     double turned_ = 0.0, duration_ = 0.0, noise_ = 0.0;  ///< rad, s and rad^2, since then
     FreeTurn free_turn_;
     double level_ = 1.0, disturbed_for_ = 0.0, evidence_ = 0.0, unexplained_ = 0.0;

@@ -50,8 +50,8 @@ FieldMeasurement field_measurement(const HeadingEstimate& e, const FieldMeans& m
     const Eigen::Vector3d sweep = means.sweep_w - means.C_rate * e.hard_iron;
     FieldMeasurement m;
     m.H.setZero();
-    // (I + soft iron)^-1 (reading - hard iron) to the first order of the soft iron; the field turns past by the rate, so it is now what
-    // it was less the sweep
+    // (I + soft iron)^-1 (reading - hard iron) to first order in the soft iron; the field rotates by the rate, so its current
+    // value is the earlier one minus the sweep
     m.field_w = means.field_w() - means.C_wb * e.hard_iron - e.delay * sweep;
     for (int k = 0; k < 3; ++k) {
         const Eigen::Matrix3d by_component = means.by_component.middleCols<3>(3 * k) - means.C_wb * e.hard_iron(k);
@@ -73,7 +73,7 @@ HeadingTurn heading_turn(const HeadingEstimate& e, const Block& block) {
     const double dt = block.duration;
     const Eigen::Vector3d vertical_b = block.C_wb.row(2).transpose(), rate = block.rate_b - e.bias;
     HeadingTurn t;
-    // (I + matrix)^-1 to the first order
+    // (I + matrix)^-1 to first order
     t.angle = -vertical_b.dot(e.bias + e.gyro_matrix * rate - block.bias_used) * dt;
     t.row.segment<3>(S::bias) = (e.gyro_matrix.transpose() * vertical_b - vertical_b) * dt;
     for (int c = 0; c < 3; ++c) t.row.segment<3>(S::gyro_matrix + 3 * c) = -vertical_b * (rate(c) * dt);

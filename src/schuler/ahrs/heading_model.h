@@ -1,12 +1,12 @@
-// States of the heading channel and how a magnetometer observes them: the model that forward filter and smoother share.
+// States of the heading channel and their observation by a magnetometer: the model shared by forward filter and smoother.
 //
-// States: the horizontal field of the Earth in the level frame w, whose direction is the heading; what the place adds to it, which does not
-// average out where the sensor stays in one room; the gyro's bias as this channel sees it, its scale
-// factors and misalignments; the constant field that travels with the sensor (hard iron) and what turns and stretches the field (soft
-// iron, and a magnetometer that is mounted askew); the vertical field; the age of the magnetometer's samples.
+// States: the Earth's horizontal field in the level frame w, whose direction is the heading; the local contribution, which does
+// not average out while the sensor stays in one room; the gyro bias as estimated by this channel, its scale factors and
+// misalignments; the constant field fixed to the sensor (hard iron) and the rotation and scaling of the field (soft iron, and a
+// misaligned magnetometer); the vertical field; the age of the magnetometer samples.
 //
-// The field as two components instead of a heading and a size makes the measurement linear, whatever the heading: a start that a magnet
-// on the sensor has turned by 90 deg is no more to the filter than an error of so many microtesla.
+// With the field as two components instead of heading and magnitude the measurement is linear for any heading: an initial error
+// of 90 deg caused by a magnet on the sensor is merely an error of some microtesla for the filter.
 #pragma once
 
 #include "schuler/ahrs/block.h"
@@ -19,11 +19,11 @@ inline constexpr int heading_states = 30;
 using HeadingVector = Eigen::Matrix<double, heading_states, 1>;
 using HeadingMatrix = Eigen::Matrix<double, heading_states, heading_states>;
 
-/// Where a state stands. The matrices are stored by columns: element (r, c) at 3 c + r.
+/// Indices of the states. The matrices are stored by columns: element (r, c) at 3 c + r.
 struct HeadingState {
     static constexpr int level_field = 0, place = 2, bias = 4, gyro_matrix = 7, hard_iron = 16, soft_iron = 19, vertical = 28,
                          delay = 29;
-    static constexpr int turning = 4;  ///< the first, those in w axes, which turn with it
+    static constexpr int turning = 4;  ///< the first ones, in w axes, which rotate with it
 };
 
 struct HeadingEstimate {
@@ -36,17 +36,17 @@ struct HeadingEstimate {
     double vertical = 0.0;                                  ///< T, down
     double delay = 0.0;                                     ///< s
 
-    /// Takes an estimated error (estimate minus truth) off.
+    /// Subtracts an estimated error (estimate minus truth).
     void correct(const HeadingVector& dx);
     /// rad, of w from magnetic north.
     [[nodiscard]] double heading() const;
     /// T
     [[nodiscard]] double horizontal() const { return level_field.norm(); }
-    /// w has turned by `angle` (rad) more against north.
+    /// w has rotated by a further `angle` (rad) relative to north.
     void turn(double angle);
 };
 
-/// Means over the magnetometer samples of an update; all that is measured enters linearly.
+/// Means over the magnetometer samples of an update; all measured quantities enter linearly.
 struct FieldMeans {
     Eigen::Matrix3d C_wb = Eigen::Matrix3d::Zero();
     Eigen::Matrix<double, 3, 9> by_component =
@@ -60,21 +60,21 @@ struct FieldMeans {
     [[nodiscard]] Eigen::Vector3d field_w() const { return by_component.col(0) + by_component.col(4) + by_component.col(8); }
 };
 
-/// The field in w as the estimate sees it, what is left of it beyond the expected, and the derivative of that by the states' errors.
+/// The estimated field in w, its residual, and the derivative of that with respect to the state errors.
 struct FieldMeasurement {
     Eigen::Vector3d field_w, innovation;
     Eigen::Matrix<double, 3, heading_states> H;
 };
-/// `rest`: the sensor rests somewhere, so what the place adds is not what it adds where the sensor moves.
+/// `rest`: the sensor is stationary, so the local contribution differs from that in motion.
 [[nodiscard]] FieldMeasurement field_measurement(const HeadingEstimate& estimate, const FieldMeans& means, bool rest = false);
 
-/// Heading (rad) of a frame in which the field's horizontal part is this.
+/// Heading (rad) of a frame with this horizontal part of the field.
 [[nodiscard]] double heading_of(const Eigen::Vector2d& level_field);
 
-/// By how much the heading changes over a block: what the strapdown turned too much about the vertical, with the sign turned.
+/// Change of heading over a block: the excess rotation of the strapdown about the vertical, with the sign reversed.
 struct HeadingTurn {
     double angle = 0.0;                         ///< rad
-    HeadingVector row = HeadingVector::Zero();  ///< its derivative by the states' errors
+    HeadingVector row = HeadingVector::Zero();  ///< its derivative with respect to the state errors
 };
 [[nodiscard]] HeadingTurn heading_turn(const HeadingEstimate& estimate, const Block& block);
 

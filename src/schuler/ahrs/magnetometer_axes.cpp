@@ -16,18 +16,18 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double interval = 0.2, longest_step = 0.5;  // s between the readings that are compared
+constexpr double interval = 0.2, longest_step = 0.5;  // s between the compared readings
 constexpr double least_turned = 1.0;                  // rad, root of the sum of squares of the changes of direction
-constexpr double clearly_worse = 1.3;                 // what the others leave unexplained, times that of the best
-constexpr double least_evidence = 15.0;               // log of the ratio of likelihoods of the best and the others
-constexpr double alike = 10.0;  // neighbouring pairs whose residuals tell no more than one: places disturb for seconds
+constexpr double clearly_worse = 1.3;                 // unexplained part of the others relative to that of the best
+constexpr double least_evidence = 15.0;               // log-likelihood ratio of the best to the others
+constexpr double alike = 10.0;  // neighbouring pairs with correlated residuals: local disturbances last for seconds
 constexpr double enough_explained = 0.5;
-constexpr double least_turn = 0.01;  // rad in an interval, below which it says nothing
+constexpr double least_turn = 0.01;  // rad in an interval, below which it contains no information
 
-/// Two readings and the turn between them by the gyro.
+/// Two readings and the rotation between them from the gyro.
 struct Pair {
     Vector3d first, change;
-    Matrix3d turn;  // C_b2b1 - I: what it does to a field fixed in space
+    Matrix3d turn;  // C_b2b1 - I: change of a field fixed in space
 };
 
 std::vector<Pair> pairs_of(std::span<const ImuSample> imu, std::span<const MagSample> mag) {
@@ -71,7 +71,7 @@ std::vector<Matrix3d> candidates() {
     return out;
 }
 
-/// What is left of the changes, robustly: the largest residuals of a disturbed field count no more than the outlier bound.
+/// Robust measure of the unexplained changes: the largest residuals of a disturbed field are limited to the outlier bound.
 double unexplained(const std::vector<Pair>& pairs, const Matrix3d& C, double bound) {
     Matrix3d N = 1e-9 * static_cast<double>(pairs.size()) * Matrix3d::Identity();
     Vector3d right = Vector3d::Zero();
@@ -85,7 +85,7 @@ double unexplained(const std::vector<Pair>& pairs, const Matrix3d& C, double bou
     return sum;
 }
 
-/// Mean of the field along the specific force's opposite, T: how far it points down.
+/// Mean component of the field opposite to the specific force, T: positive downwards.
 double downward(std::span<const ImuSample> imu, std::span<const MagSample> mag, const Matrix3d& C) {
     double sum = 0.0;
     std::size_t i = 0;
@@ -132,7 +132,7 @@ MagnetometerAxes recognise_axes(std::span<const ImuSample> imu, std::span<const 
     const double evidence = 1.5 * static_cast<double>(pairs.size()) / alike * std::log(second / best);
     if (second < clearly_worse * best || evidence < least_evidence || best > (1.0 - enough_explained) * capped) return out;
     const bool known = std::isfinite(field_down);
-    if (C.isIdentity() && !known) return out;  // all three turned round, or south of the equator
+    if (C.isIdentity() && !known) return out;  // all three axes reversed, or south of the equator
     const bool down = downward(imu, mag, C) > 0.0;
     out.C_bs = down == (!known || field_down > 0.0) ? C : Matrix3d(-C);
     out.swapped = !out.C_bs.isIdentity();

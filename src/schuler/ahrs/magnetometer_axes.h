@@ -1,5 +1,5 @@
-// Which way round a magnetometer is mounted, or its columns are named: found from the way its field turns in the body, which has to be
-// the gyro's.
+// Mounting orientation of a magnetometer, or assignment of its columns: determined from the rotation of its field in the body,
+// which must agree with the gyro's.
 #pragma once
 
 #include "schuler/core/samples.h"
@@ -15,16 +15,16 @@ namespace schuler::ahrs {
 struct MagnetometerAxes {
     /// field_b = C_bs * reading; every row and column has one entry, 1 or -1. Determinant -1: the readings are left-handed.
     Eigen::Matrix3d C_bs = Eigen::Matrix3d::Identity();
-    bool swapped = false;       ///< C_bs is another than the identity, beyond doubt
-    bool sign_assumed = false;  ///< all three signs together do not show in the turning: the field was taken to point down
+    bool swapped = false;       ///< C_bs differs from the identity beyond doubt
+    bool sign_assumed = false;  ///< a common sign of all axes is not determined by rotation: the field was assumed to point down
     double explained =
-        std::numeric_limits<double>::quiet_NaN();  ///< share of the field's changes that the gyro explains, with C_bs
-    double as_given = std::numeric_limits<double>::quiet_NaN();  ///< ... and with the axes as they are
+        std::numeric_limits<double>::quiet_NaN();  ///< fraction of the field's changes explained by the gyro, with C_bs
+    double as_given = std::numeric_limits<double>::quiet_NaN();  ///< ... and with the axes as given
 };
 
-/// Compares all 24 orders and signs of axes, hard iron taken out of each; the readings negated turn just the same, so of each pair the
-/// one is taken whose field points down (`field_down` positive, or NaN: not known), or up (negative). Where the log turns too little,
-/// about one axis only, or the readings agree as they are, the identity is kept.
+/// Compares all 24 permutations and signs of axes, each with hard iron removed; the negated readings rotate identically, so of
+/// each pair the one whose field points down is chosen (`field_down` positive, or NaN: unknown), or up (negative). If the log
+/// contains too little rotation, or about one axis only, or the readings agree as they are, the identity is kept.
 [[nodiscard]] MagnetometerAxes recognise_axes(std::span<const ImuSample> imu, std::span<const MagSample> mag,
                                               double field_down = std::numeric_limits<double>::quiet_NaN());
 

@@ -9,9 +9,9 @@
 namespace schuler::ahrs {
 namespace {
 
-constexpr double levelling = 0.1;    // s of specific force from which the first tilt is taken
-constexpr double not_gravity = 0.5;  // m/s^2, beyond what accelerometers are off by: the log begins in motion
-constexpr double turn_in_gap = 0.5;  // rad/s, by which the attitude may turn unseen
+constexpr double levelling = 0.1;    // s of specific force used for the first tilt
+constexpr double not_gravity = 0.5;  // m/s^2, above accelerometer errors: the log starts in motion
+constexpr double turn_in_gap = 0.5;  // rad/s, possible unobserved rotation
 
 }  // namespace
 
@@ -46,7 +46,7 @@ bool Mekf::step(double dt, const Eigen::Vector3d& gyro_b, const Eigen::Vector3d&
     if (dt > settings_.guard.longest_step) {
         ++counters_.gaps;
         tilt_.doubt(turn_in_gap * dt);
-        dt = settings_.block;  // the filter goes on from here; what happened in between is covered by the doubt
+        dt = settings_.block;  // the filter continues from here; the gap is covered by the increased uncertainty
     }
     if (rate_known) last_rate_ = gyro_b;
     tilt_.integrate(dt, last_rate_, rate_known, force_known ? &accel_b : nullptr);

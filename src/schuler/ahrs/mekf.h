@@ -1,6 +1,6 @@
-// The attitude filter to use: multiplicative error states, tilt and heading in separate channels. Real time:
-// step() takes constant time but for the block update, which comes at a fixed rate and is bounded; nothing allocates or throws
-// after construction.
+// The recommended attitude filter: multiplicative error states, tilt and heading in separate channels. Real time: step() takes
+// constant time except for the block update, which occurs at a fixed rate and is bounded; nothing allocates or throws after
+// construction.
 #pragma once
 
 #include "schuler/ahrs/field_watch.h"
@@ -16,24 +16,24 @@ namespace schuler::ahrs {
 
 class Mekf {
 public:
-    /// @throws Error(Input) for settings that cannot be used.
+    /// @throws Error(Input) for invalid settings.
     explicit Mekf(const MekfSettings& settings);
 
     /// One IMU sample, body axes: the mean rate (rad/s) and specific force (m/s^2) over the last dt (s, positive).
-    /// Values that are not finite, saturated or stuck are bridged. Returns true when a block was closed.
+    /// Values that are not finite, saturated or frozen are bridged. Returns true when a block was closed.
     bool step(double dt, const Eigen::Vector3d& gyro_b, const Eigen::Vector3d& accel_b, TiltRecord* tilt = nullptr,
               HeadingRecord* heading = nullptr);
-    /// A magnetometer sample (T, body axes) that belongs to the IMU sample just given.
+    /// A magnetometer sample (T, body axes) that belongs to the last IMU sample.
     void magnetometer(const Eigen::Vector3d& field_b);
-    /// Speed over ground along the body's x axis (m/s) and its one sigma: takes the centripetal and forward acceleration of a
-    /// vehicle out of the tilt.
+    /// Speed over ground along the body's x axis (m/s) and its one sigma: used to remove the centripetal and forward acceleration
+    /// of a vehicle from the tilt.
     void forward_speed(double speed, double std) { tilt_.forward_speed(speed, std); }
 
     [[nodiscard]] bool started() const { return tilt_.started(); }
     [[nodiscard]] Eigen::Quaterniond q_nb() const;
     /// One sigma of the small rotation about north, east and down, rad.
     [[nodiscard]] Eigen::Vector3d std_phi() const;
-    /// Covariance of that rotation in n, rad^2: tilt and heading apart, the heading with what the tilt puts into it.
+    /// Covariance of that rotation in n, rad^2: tilt and heading separate, the heading including the effect of the tilt.
     [[nodiscard]] Eigen::Matrix3d covariance_phi() const;
     [[nodiscard]] const Eigen::Vector3d& gyro_bias() const { return tilt_.gyro_bias(); }
     [[nodiscard]] const TiltChannel& tilt() const { return tilt_; }

@@ -10,7 +10,7 @@
 namespace schuler::ahrs {
 namespace {
 
-/// A sample of the forward pass: where the strapdown stood, in which block it fell.
+/// A sample of the forward pass: the strapdown state and its block.
 struct Strapdown {
     std::size_t sample;  ///< of the IMU log
     Eigen::Quaterniond q_wb;
@@ -23,7 +23,7 @@ struct Strapdown {
 struct Smoothed2 {
     Eigen::Vector2d before, after;
     Eigen::Vector2d std;
-    bool levelled = false;  ///< has nothing to do with the block before
+    bool levelled = false;  ///< independent of the previous block
 };
 struct Smoothed1 {
     double heading = 0.0, std = 0.0;
@@ -48,14 +48,14 @@ Forward forward_pass(std::span<const ImuSample> imu, std::span<const SpeedSample
     for (std::size_t i = 1; i < imu.size(); ++i) {
         for (; v < speed.size() && speed[v].time <= imu[i].time; ++v) filter.forward_speed(speed[v].speed, speed[v].std);
         if ((imu[i].time - imu[i - 1].time).seconds() > settings.guard.longest_step && !f.tilt.empty()) {
-            // a gap: what was begun before it belongs to the block before
+            // a gap: the part before it belongs to the previous block
             constexpr float nearly_the_end = 0.999F;
             for (; first < f.strapdown.size(); ++first) {
                 f.strapdown[first].block = f.tilt.size() - 1;
                 f.strapdown[first].along = nearly_the_end;
             }
         }
-        // the strapdown of this sample is wanted as it is before the block's updates
+        // the strapdown of this sample is required before the block's updates
         const bool closed = filter.step((imu[i].time - imu[i - 1].time).seconds(), imu[i].gyro, imu[i].accel, &record);
         if (!filter.started()) continue;
         const Eigen::Quaterniond q = closed ? filter.tilt().q_before() : filter.tilt().q_wb();
@@ -64,7 +64,7 @@ Forward forward_pass(std::span<const ImuSample> imu, std::span<const SpeedSample
         const auto n = static_cast<float>(f.strapdown.size() - first);
         for (std::size_t k = first; k < f.strapdown.size(); ++k) f.strapdown[k].along = static_cast<float>(k - first + 1) / n;
         if (record.block.levelled) {
-            // what was recorded of the block before it was levelled
+            // the records of the block before it was levelled
             for (std::size_t k = first; k + 1 < f.strapdown.size(); ++k)
                 f.strapdown[k].q_wb = record.block.level * f.strapdown[k].q_wb;
         }
@@ -98,33 +98,33 @@ std::vector<Smoothed2> smooth_tilt(const Forward& f, double gravity) {
     return out;
 }
 
-/// A forward pass of the heading channel over the smoothed tilt: where it stood at the end of each block, and its updates.
+/// A forward pass of the heading channel over the smoothed tilt: its state at the end of each block, and its updates.
 struct HeadingPass {
     std::vector<Eigen::Vector2d> path;  ///< T, the level field
-    std::vector<FreeTurn> free;         ///< what the gyro alone leaves unknown of the heading
+    std::vector<FreeTurn> free;         ///< heading uncertainty from the gyro alone
     std::size_t started = 0;            ///< the first block with a field
     std::vector<HeadingRecord> updates;
 };
 
-/// What the smoothed states leave of a measurement.
+/// Residual of a measurement for the smoothed states.
 double left_of(const estim::ScalarUpdate<heading_states>& u, const HeadingVector& lambda) {
     return u.s * (1.0 - u.h.dot(u.k)) * (u.k.dot(lambda) + u.innovation / u.s);
 }
 
-/// Error of the heading of `estimate` where the error of its components is `error`; rad.
+/// Heading error of `estimate` from the `error` of its components; rad.
 double heading_error(const Eigen::Vector2d& estimate, const Eigen::Vector2d& error) {
     return math::wrap_pi(heading_of(estimate) - heading_of(estimate - error));
 }
 
-/// One sigma of the heading of `level_field` with covariance P, rad; no more than that of an unknown one.
+/// One sigma of the heading of `level_field` with covariance P, rad; at most that of an unknown one.
 double heading_std(const Eigen::Vector2d& level_field, const Eigen::Matrix2d& P) {
     const double size2 = level_field.squaredNorm(), unknown = std::numbers::pi / std::sqrt(3.0);
     const Eigen::Vector2d across(-level_field.y(), level_field.x());
     return size2 > 0.0 ? std::min(unknown, std::sqrt(std::max(0.0, across.dot(P * across))) / size2) : unknown;
 }
 
-/// Smoothed heading at the end of each block; the error runs linearly from update to update, but never across a block that was levelled
-/// anew. `left`: mean square of what is left of the field at each update, in units of the expected; NaN where there was none.
+/// Smoothed heading at the end of each block; the error varies linearly between updates, but not across a new levelling. `left`:
+/// mean square residual of the field at each update, relative to the expected one; NaN if there was none.
 std::vector<Smoothed1> smooth_heading(const HeadingPass& pass, const HeadingSettings& settings, std::vector<double>& left) {
     const std::vector<Eigen::Vector2d>& path = pass.path;
     std::vector<Smoothed1> out(path.size());
@@ -140,7 +140,7 @@ std::vector<Smoothed1> smooth_heading(const HeadingPass& pass, const HeadingSett
             const double along =
                 next < path.size() ? static_cast<double>(b + 1 - from) / static_cast<double>(next - from + 1) : 0.0;
             double error = after + along * change, sigma = std;
-            if (levelled) {  // the error after the last levelling is that of the next update, before the first that of the last one
+            if (levelled) {  // the error after the last levelling is that of the next update, before the first that of the last
                 const bool is_after = pass.free[b].levellings == pass.free[next].levellings;
                 error = is_after ? next_before : after;
                 sigma = std::max(is_after ? out[next].std : std,
@@ -179,9 +179,9 @@ std::vector<Smoothed1> smooth_heading(const HeadingPass& pass, const HeadingSett
         adjoint.Lambda = (0.5 * (adjoint.Lambda + adjoint.Lambda.transpose())).eval();
     }
     between(0, next_before, next < path.size() ? out[next].std : 0.0);
-    if (pass.updates.empty()) {  // six axes: the heading is the gyro's own
+    if (pass.updates.empty()) {  // six axes: the heading is that of the gyro
         for (std::size_t b = 0; b < out.size(); ++b) out[b].std = pass.free[b].std_since({});
-    } else {  // before the first field it is the gyro's own backwards from there
+    } else {  // before the first field it is that of the gyro, backward from there
         for (std::size_t b = 0; b < pass.started; ++b)
             out[b].std = std::hypot(out[b].std, pass.free[pass.started].std_since(pass.free[b]));
     }
@@ -189,7 +189,7 @@ std::vector<Smoothed1> smooth_heading(const HeadingPass& pass, const HeadingSett
     return out;
 }
 
-/// How disturbed the field was at each update: what is left of it there, and lately and soon.
+/// Disturbance of the field at each update: its residual there, and in the recent past and near future.
 std::vector<double> disturbances(const std::vector<double>& left, const HeadingSettings& settings) {
     const double gain = settings.block / (settings.block + settings.adaptation_time);
     std::vector<double> out(left.size(), std::numeric_limits<double>::quiet_NaN()), lately(left.size(), 1.0);
@@ -207,7 +207,7 @@ std::vector<double> disturbances(const std::vector<double>& left, const HeadingS
     return out;
 }
 
-/// q_wb less the smoothed error, which runs linearly through the block.
+/// q_wb minus the smoothed error, which varies linearly within the block.
 Eigen::Quaterniond smoothed_q_wb(const Strapdown& s, const std::vector<Smoothed2>& tilt) {
     if (s.block >= tilt.size()) {
         const Eigen::Vector2d e = tilt.empty() ? Eigen::Vector2d::Zero() : tilt.back().after;
@@ -225,13 +225,13 @@ RunResult run_offline(std::span<const ImuSample> imu, std::span<const MagSample>
     const Forward f = forward_pass(imu, speed, settings);
     const std::vector<Smoothed2> tilt = smooth_tilt(f, settings.tilt.gravity);
 
-    // how much a sample of the field weighs: by its innovation at first, then by what the smoothed states leave of it
+    // weight of a field sample: from the innovation at first, then from the residual of the smoothed states
     constexpr int passes = 3;
     RunResult out;
     HeadingPass pass;
     std::vector<Smoothed1> turn;
     std::vector<double> disturbed;
-    // a magnet may be on the sensor: the first pass expects one, the others as much of it as has shown
+    // there may be a magnet on the sensor: the first pass assumes one, the others the magnitude found so far
     HeadingSettings expected = settings.heading;
     expected.hard_iron_std = std::max(expected.hard_iron_std, expected.magnet_std);
     HeadingChannel heading(expected, settings.tilt, settings.six_axis);
@@ -265,7 +265,7 @@ RunResult run_offline(std::span<const ImuSample> imu, std::span<const MagSample>
                     heading.gather(C_wb, s.rate_b, mag[m].field_b);
             }
         }
-        // w does not turn by itself: the field that was seen first stood there before, too
+        // w does not rotate by itself: the first observed field is also valid before
         if (!settings.six_axis && pass.started < pass.path.size())
             std::fill_n(pass.path.begin(), pass.started, pass.path[pass.started]);
         std::vector<double> left;

@@ -21,7 +21,7 @@ Sigma sigma(const Eigen::Vector4d& q) {
     return s;
 }
 
-/// Likewise for a rotation in navigation axes; the columns are unit vectors.
+/// The same for a rotation in navigation axes; the columns are unit vectors.
 Sigma sigma_n(const Eigen::Vector4d& q) {
     Sigma s;
     s.topRows<3>() = q(3) * Eigen::Matrix3d::Identity() - math::skew(q.head<3>());
@@ -34,7 +34,7 @@ Sigma sigma_n(const Eigen::Vector4d& q) {
 QuaternionFilter::QuaternionFilter(const VectorFilterSettings& settings) : settings_(settings) { settings.check(); }
 
 void QuaternionFilter::propagate(double dt, const Eigen::Vector3d& rate_b) {
-    // q' = Omega q / 2 has the closed form of a product with the step's own quaternion
+    // q' = Omega q / 2 has the closed form of a product with the quaternion of the step
     const Eigen::Quaterniond step = math::quaternion_from_rotation_vector(rate_b * dt);
     Eigen::Matrix4d Phi;
     Phi.topLeftCorner<3, 3>() = step.w() * Eigen::Matrix3d::Identity() - math::skew(step.vec());
@@ -59,7 +59,7 @@ void QuaternionFilter::update(const Eigen::Vector3d& measured_b, const Eigen::Ve
     const Eigen::Matrix4d S = H * P_ * H.transpose() + R;
     Eigen::Matrix4d K = P_ * H.transpose() * S.inverse();
     if (heading_only) {
-        const Eigen::Vector4d u = sigma_n(x_).col(2);  // the quaternion's tangent of a rotation about the vertical
+        const Eigen::Vector4d u = sigma_n(x_).col(2);  // the tangent quaternion of a rotation about the vertical
         K = (u * (u.transpose() * K)).eval();
     } else {
         K -= (x_ * (x_.transpose() * K)).eval();  // the norm is known: only rotations are corrected
@@ -80,7 +80,7 @@ void QuaternionFilter::accelerometer(const Eigen::Vector3d& force_b) {
     if (!(norm > 0.0)) return;
     const double r = settings_.accel_std / settings_.gravity;
     if (!levelled_) {
-        // level, b's x axis to the north; the covariance lies in the rotations, since the norm is known
+        // level, b's x axis to the north; the covariance is that of rotations, because the norm is known
         Eigen::Quaterniond q = Eigen::Quaterniond::FromTwoVectors(force_b, -Eigen::Vector3d::UnitZ());
         const Eigen::Vector3d x_n = q * Eigen::Vector3d::UnitX();
         q = Eigen::AngleAxisd(-std::atan2(x_n.y(), x_n.x()), Eigen::Vector3d::UnitZ()) * q;

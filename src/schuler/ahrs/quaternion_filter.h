@@ -1,5 +1,5 @@
 // Paper B's second filter: the quaternion Kalman filter with pseudo-linear vector measurements of [Choukroun2006]; the
-// magnetometer is projected on the horizon, so that no knowledge of the field is needed. Corrected as E3 of math.md says.
+// magnetometer is projected onto the horizon, so that the field need not be known. Corrected as in E3 of math.md.
 #pragma once
 
 #include "schuler/ahrs/tilt_leak.h"
@@ -12,7 +12,7 @@ namespace schuler::ahrs {
 
 class QuaternionFilter {
 public:
-    /// @throws Error(Input) for settings that cannot be used.
+    /// @throws Error(Input) for invalid settings.
     explicit QuaternionFilter(const VectorFilterSettings& settings);
 
     /// Rotation over dt (s) at rate_b (rad/s, body axes).
@@ -34,7 +34,7 @@ private:
     Eigen::Vector4d x_ = Eigen::Vector4d::UnitW();  ///< q_nb, vector part first as in the paper
     Eigen::Matrix4d P_ = Eigen::Matrix4d::Identity();
     TiltLeak leak_;
-    bool levelled_ = false, headed_ = false;  ///< attitude, heading taken from the first readings
+    bool levelled_ = false, headed_ = false;  ///< attitude, heading initialised from the first readings
 };
 
 }  // namespace schuler::ahrs

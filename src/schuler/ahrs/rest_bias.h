@@ -1,4 +1,4 @@
-// Gyro bias for filters that have no such state: the mean of the rates while the sensor rests.
+// Gyro bias for filters without such a state: the mean of the rates while the sensor is at rest.
 #pragma once
 
 #include "schuler/ahrs/settings.h"
@@ -11,7 +11,7 @@ class RestBias {
 public:
     explicit RestBias(const RestSettings& settings) : settings_(settings) {}
 
-    /// One sample (rad/s, m/s^2) over dt (s); no magnetic quantity enters.
+    /// One sample (rad/s, m/s^2) over dt (s); no magnetic quantity is used.
     void feed(double dt, const Eigen::Vector3d& rate_b, const Eigen::Vector3d& force_b) {
         constexpr double block = 0.05;  // s; single samples are too noisy to show rest
         rate_ += rate_b * dt;

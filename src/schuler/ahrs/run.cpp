@@ -12,7 +12,7 @@
 namespace schuler::ahrs {
 namespace {
 
-/// One of paper B's filters behind the same checks of the samples as the mekf's.
+/// One of paper B's filters with the same sample checks as the mekf.
 template <class Filter>
 RunResult run_vector_filter(std::span<const ImuSample> imu, std::span<const MagSample> mag, const RunSettings& settings,
                             Filter filter) {

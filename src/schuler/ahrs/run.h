@@ -1,4 +1,4 @@
-// From a log to an attitude: the filters over whole recordings, forwards, or forwards and backwards.
+// From a log to an attitude: the filters applied to whole recordings, forward, or forward and backward.
 #pragma once
 
 #include "schuler/ahrs/guard.h"
@@ -37,7 +37,7 @@ struct RunSettings {
     VectorFilterSettings vector;  ///< of the others; field and noises as given
 };
 
-/// What the heading channel has learnt, at the end.
+/// Quantities estimated by the heading channel, at the end.
 struct FieldFindings {
     Eigen::Vector3d hard_iron_b = Eigen::Vector3d::Zero();  ///< T
     double horizontal = 0.0, vertical = 0.0;                ///< T
@@ -45,13 +45,13 @@ struct FieldFindings {
 };
 
 struct RunResult {
-    std::vector<AttitudeRow> rows;  ///< one an IMU sample from where the filter has started
+    std::vector<AttitudeRow> rows;  ///< one per IMU sample after the start of the filter
     Counters counters;
     FieldFindings field;
 };
 
-/// Runs a filter. Samples in body axes, in order of time; a magnetometer sample is used with the first IMU sample that is not
-/// older. @throws Error(Input) for settings or an empty log.
+/// Runs a filter. Samples in body axes, in time order; a magnetometer sample is used with the first IMU sample that is not older.
+/// @throws Error(Input) for invalid settings or an empty log.
 [[nodiscard]] RunResult run(std::span<const ImuSample> imu, std::span<const MagSample> mag, std::span<const SpeedSample> speed,
                             const RunSettings& settings);
 

@@ -9,11 +9,11 @@ namespace schuler::ahrs {
 namespace {
 
 constexpr double start_tilt_std = 0.03;        // rad
-constexpr double moving_tilt_std = 0.15;       // rad, of a log that begins in motion: accelerations of 1.5 m/s^2
-constexpr double unknown_rate = 0.3;           // of the last known rate: how far a missing sample's rate may lie from it
-constexpr double unknown_force = 3.0;          // m/s^2, acceleration while the accelerometer is unusable
-constexpr double least_doubt = 1e-3;           // rad, less may have been missed at rest
-constexpr double linear_tilt = 0.3;            // rad; a tilt that is off by more is not an error but unknown
+constexpr double moving_tilt_std = 0.15;       // rad, for a log that starts in motion: accelerations of 1.5 m/s^2
+constexpr double unknown_rate = 0.3;           // fraction of the last known rate: uncertainty of a missing sample's rate
+constexpr double unknown_force = 3.0;          // m/s^2, possible acceleration while the accelerometer is unusable
+constexpr double least_doubt = 1e-3;           // rad, smaller rotations may have been missed at rest
+constexpr double linear_tilt = 0.3;            // rad; beyond this a tilt error is treated as unknown tilt
 constexpr double largest_tilt_variance = 1.0;  // rad^2
 
 }  // namespace
@@ -22,7 +22,7 @@ TiltChannel::TiltChannel(const TiltSettings& settings, const RestSettings& rest)
 
 void TiltChannel::start(const Eigen::Vector3d& force_b, bool moving) {
     q_wb_ = Eigen::Quaterniond::FromTwoVectors(force_b, Eigen::Vector3d(0.0, 0.0, -1.0)).normalized();
-    // FromTwoVectors leaves the heading to chance: take the one that points b's x axis north-like
+    // FromTwoVectors leaves the heading arbitrary: choose the one with b's x axis near north
     const Eigen::Vector3d x_w = q_wb_ * Eigen::Vector3d::UnitX();
     const double azimuth = x_w.head<2>().norm() > 1e-6 ? std::atan2(x_w.y(), x_w.x()) : 0.0;
     q_wb_ = Eigen::AngleAxisd(-azimuth, Eigen::Vector3d::UnitZ()) * q_wb_;
@@ -56,7 +56,7 @@ void TiltChannel::doubt(double angle) {
     block_.doubt += angle;
     if (angle > linear_tilt) {
         level_wanted_ = true;
-        const double doubt = block_.doubt;  // forces from before say nothing of the tilt after
+        const double doubt = block_.doubt;  // earlier forces contain no information about the tilt after the gap
         block_ = Block{};
         block_.doubt = doubt;
         samples_ = forces_ = 0;
@@ -126,7 +126,7 @@ TiltVector TiltTransition::transpose_times(const TiltVector& lambda) const {
     return out;
 }
 
-/// After a gap in which the sensor may have turned by any angle: the mean force of the block is gravity, as at the start.
+/// After a gap with unknown rotation: the mean force of the block is taken as gravity, as at the start.
 void TiltChannel::level_anew() {
     if (!block_.force_known || !(block_.force_w.norm() > 0.0)) return;
     level_wanted_ = false;
@@ -160,7 +160,7 @@ void TiltChannel::propagate() {
 }
 
 void TiltChannel::correct(const TiltVector& dx) {
-    // C_true = (I + [phi x]) C_est; the level frame's azimuth is nobody's business here
+    // C_true = (I + [phi x]) C_est; the azimuth of the level frame is not affected here
     q_wb_ = math::quaternion_from_rotation_vector({dx(0), dx(1), 0.0}) * q_wb_;
     bias_ -= dx.segment<3>(2);
     velocity_ -= dx.tail<2>();
@@ -191,7 +191,7 @@ Block TiltChannel::close(TiltRecord* record) {
     } else if (speed_valid_ > 0.0) {
         expected = speed_ * block_.C_wb.col(0).head<2>();
         r = (settings_.slip_std * settings_.slip_std + speed_std_ * speed_std_) * 2.0 * settings_.velocity_time / dt;
-        if (!speed_known_) velocity_ = expected;  // until now it was the change of velocity, not the velocity
+        if (!speed_known_) velocity_ = expected;  // so far it was the change of velocity, not the velocity
     }
     speed_known_ = speed_valid_ > 0.0 && !rest;
     speed_valid_ -= dt;

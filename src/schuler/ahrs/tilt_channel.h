@@ -1,9 +1,9 @@
-// Tilt channel: strapdown attitude in the level frame w, gyro bias, and a velocity whose smallness tells tilt from acceleration.
+// Tilt channel: strapdown attitude in the level frame w, gyro bias, and a small velocity that separates tilt from acceleration.
 //
-// The specific force is integrated in the frame that the gyro carries along, so that accelerations which only sway cancel before
-// they reach the tilt (the idea of filtering in an almost inertial frame is [LaidigSeel2023]'s; here the filter is a velocity
-// state with its covariance). Velocity is measured as zero, loosely in motion, tightly at rest, or as the forward speed of a vehicle
-// where one is given: the centripetal correction. No magnetic quantity enters.
+// The specific force is integrated in the frame maintained by the gyro, so that oscillating accelerations cancel before they
+// affect the tilt (filtering in an almost inertial frame is the idea of [LaidigSeel2023]; here the filter has a velocity state
+// with its covariance). The velocity measurement is zero, with a large sigma in motion and a small one at rest, or the forward
+// speed of a vehicle if given: the centripetal correction. No magnetic quantity is used.
 #pragma once
 
 #include "schuler/ahrs/block.h"
@@ -22,7 +22,7 @@ inline constexpr int tilt_states = 7;  ///< tilt north-like and east-like (w axe
 using TiltVector = Eigen::Matrix<double, tilt_states, 1>;
 using TiltMatrix = Eigen::Matrix<double, tilt_states, tilt_states>;
 
-/// What the smoother needs of one block.
+/// Data of one block required by the smoother.
 struct TiltRecord {
     Block block;
     Eigen::Matrix<double, 2, tilt_states> P_tilt;  ///< rows of the covariance after the updates
@@ -34,27 +34,27 @@ class TiltChannel {
 public:
     TiltChannel(const TiltSettings& settings, const RestSettings& rest);
 
-    /// Level attitude from a mean specific force (b), heading zero; `moving`: the force is not gravity alone.
+    /// Level attitude from a mean specific force (b), heading zero; `moving`: the force includes accelerations.
     void start(const Eigen::Vector3d& force_b, bool moving);
     [[nodiscard]] bool started() const { return started_; }
 
-    /// Strapdown over dt (s) with the gyro's rate; `force_b` null where unusable; `rate_known` false for an old rate.
+    /// Strapdown over dt (s) with the gyro's rate; `force_b` null if unusable; `rate_known` false for an old rate.
     void integrate(double dt, const Eigen::Vector3d& rate_b, bool rate_known, const Eigen::Vector3d* force_b);
-    /// A pause of the log: the attitude may have turned by `angle` (rad), the velocity by anything.
+    /// A pause in the log: the attitude may have rotated by `angle` (rad), the velocity change is unknown.
     void doubt(double angle);
     /// Forward speed along b's x axis (m/s) with its one sigma, from a satellite receiver; used for `valid` s.
     void forward_speed(double speed, double std, double valid = 1.5);
 
     [[nodiscard]] double pending() const { return block_.duration; }
-    /// Filter update over what was gathered. Returns the block; fills `record` where one is given.
+    /// Filter update over the accumulated data. Returns the block; fills `record` if given.
     Block close(TiltRecord* record = nullptr);
 
     [[nodiscard]] const Eigen::Quaterniond& q_wb() const { return q_wb_; }
-    [[nodiscard]] const Eigen::Vector3d& rate_b() const { return rate_b_; }  ///< last rate less bias
+    [[nodiscard]] const Eigen::Vector3d& rate_b() const { return rate_b_; }  ///< last rate minus bias
     [[nodiscard]] const Eigen::Vector3d& gyro_bias() const { return bias_; }
     [[nodiscard]] const TiltMatrix& covariance() const { return P_; }
     [[nodiscard]] const Eigen::Quaterniond& q_before() const { return q_before_; }  ///< before the last block's updates
-    [[nodiscard]] const Eigen::Vector2d& tilt_correction() const { return tilt_correction_; }  ///< what they took off, rad
+    [[nodiscard]] const Eigen::Vector2d& tilt_correction() const { return tilt_correction_; }  ///< removed by them, rad
 
 private:
     void watch_rest();
@@ -81,7 +81,7 @@ private:
     bool speed_known_ = false, level_wanted_ = false;
 };
 
-/// Error transition of the tilt channel over a block: phi' = C_wb db, dv' = f x phi with f = (0, 0, -g). Of the row products only
+/// Error transition of the tilt channel over a block: phi' = C_wb db, dv' = f x phi with f = (0, 0, -g). In the row products only
 /// the entries that differ from the identity are kept.
 struct TiltTransition {
     Eigen::Matrix<double, 2, 3> from_bias;  ///< d(tilt)/d(bias)

@@ -1,16 +1,16 @@
-// How the tilt's error gets into the heading. The dip of the field turns a tilt error about north into a heading error
-// tan(dip) times as large; the heading filter averages it. Its measurement noise cannot say that, since the tilt error has a
-// memory, so the part is kept apart: a variance to be added to the filter's own, and its covariance with the tilt. Neither is
-// used for gains: the channels stay separate.
+// Propagation of the tilt error into the heading. The dip of the field converts a tilt error about north into a heading error
+// larger by tan(dip); the heading filter averages it. Its white measurement noise cannot represent this, because the tilt error
+// is correlated, so this part is kept separately: a variance to be added to the filter's own, and its covariance with the tilt.
+// Neither is used for gains: the channels remain separate.
 #pragma once
 
 namespace schuler::ahrs {
 
 struct TiltLeak {
-    double variance = 0.0;    ///< rad^2, of the heading error that came from the tilt
+    double variance = 0.0;    ///< rad^2, of the heading error caused by the tilt
     double covariance = 0.0;  ///< rad^2, of that with the tilt error about north (phi, both)
 
-    /// The tilt error was corrected and grew anew: `keep` of the old one remains in it.
+    /// The tilt error was corrected and grew again: the fraction `keep` of the old error remains.
     void tilt_step(double keep) { covariance *= keep; }
     /// The heading error (about down) moved by `gain` towards tan_dip times the tilt error about north, whose variance is given.
     void heading_step(double gain, double tan_dip, double tilt_variance) {

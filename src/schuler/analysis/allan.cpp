@@ -41,7 +41,7 @@ void AllanDeviation::add(std::size_t at, double mean) {
         return;
     }
     const double pair = 0.5 * (level.half + mean);
-    if (at + 1 == levels_.size()) levels_.emplace_back();  // may move `level`
+    if (at + 1 == levels_.size()) levels_.emplace_back();  // may reallocate `level`
     add(at + 1, pair);
 }
 
@@ -73,13 +73,13 @@ AllanCoefficients fitted(const std::vector<AllanPoint>& points) {
             terms.row(i).setZero();
             continue;
         }
-        // relative to the point: errors of the variance are twice those of the deviation
+        // relative to the point: relative errors of the variance are twice those of the deviation
         const double weight = 1.0 / (2.0 * p.relative_sigma * variance), t = p.tau;
         terms.row(i) << 3.0 / (t * t), 1.0 / t, 2.0 * std::numbers::ln2 / std::numbers::pi, t / 3.0, 0.5 * t * t;
         terms.row(i) *= weight;
         wanted(i) = weight * variance;
     }
-    // Five unknowns: the best fit without negative ones is the best of those over all subsets that have none.
+    // Five unknowns: the best non-negative fit is the best over all subsets with a non-negative solution.
     Eigen::Matrix<double, 5, 1> best = Eigen::Matrix<double, 5, 1>::Zero();
     double least = std::numeric_limits<double>::infinity();
     for (unsigned subset = 1; subset < 32 && n > 0; ++subset) {
@@ -88,7 +88,7 @@ AllanCoefficients fitted(const std::vector<AllanPoint>& points) {
             if ((subset >> c & 1u) != 0) chosen.push_back(c);
         if (static_cast<Eigen::Index>(chosen.size()) > n) continue;
         const Eigen::MatrixXd some = terms(Eigen::all, chosen);
-        // columns differ by many powers of ten
+        // the columns differ by many orders of magnitude
         const Eigen::VectorXd scale = some.colwise().norm().cwiseMax(std::numeric_limits<double>::min());
         const Eigen::VectorXd x =
             (some * scale.cwiseInverse().asDiagonal()).colPivHouseholderQr().solve(wanted).cwiseQuotient(scale);

@@ -1,4 +1,4 @@
-// Allan deviation of an instrument's output in one pass and bounded memory, and the noise coefficients read from it.
+// Allan deviation of an instrument's output in one pass and bounded memory, and the noise coefficients derived from it.
 #pragma once
 
 #include <array>
@@ -13,8 +13,8 @@ struct AllanPoint {
     double relative_sigma = 0.0;  ///< of the deviation: 1 / sqrt(2 (N / m - 1)) for clusters of m among N samples [IEEE952:C]
 };
 
-/// Takes a rate sample by sample. Clusters of m samples overlap: for m up to 7 by m - 1, beyond by 3/4 to 6/7 of their length,
-/// since the longer ones are made of means of 2, 4, 8 ... samples.
+/// Processes a rate sample by sample. Clusters of m samples overlap: for m up to 7 by m - 1, beyond by 3/4 to 6/7 of their
+/// length, because the longer ones consist of means of 2, 4, 8 ... samples.
 class AllanDeviation {
 public:
     /// `dt`: s between samples. @throws Error(Input) unless positive
@@ -23,23 +23,23 @@ public:
     /// `rate`: mean over the sample's interval.
     void add(double rate);
 
-    /// Averaging times for which at least nine clusters fit in, ascending.
+    /// Averaging times with at least nine clusters, ascending.
     [[nodiscard]] std::vector<AllanPoint> points() const;
 
 private:
-    static constexpr std::size_t longest = 7;  ///< clusters of one level, in its own samples
-    /// Sums over the last m and the m before them, for each m.
+    static constexpr std::size_t longest = 7;  ///< clusters of one level, in samples of that level
+    /// Sums over the last m samples and the m before them, for each m.
     struct Level {
         std::array<double, 2 * longest> last{};  ///< ring
         std::array<double, longest> newer{}, older{}, squares{};
         std::array<std::size_t, longest> differences{};
         std::size_t count = 0;
-        double half = 0.0;  ///< the first of a pair for the next level
+        double half = 0.0;  ///< first element of a pair for the next level
     };
     void add(std::size_t level, double mean);
 
     double dt_;
-    double offset_ = 0.0;  ///< the first sample: sums stay small
+    double offset_ = 0.0;  ///< the first sample, subtracted to keep the sums small
     std::vector<Level> levels_;
 };
 
@@ -53,8 +53,8 @@ struct AllanCoefficients {
     double ramp = 0.0;              ///< R, rate / s
 };
 
-/// Weighted least squares of the squares, each with its own relative sigma, no coefficient below zero: those that the points do
-/// not need are zero, all of them without points.
+/// Weighted least squares of the squared deviations, each with its own relative sigma, with non-negative coefficients: those not
+/// required by the points are zero, and all of them without points.
 [[nodiscard]] AllanCoefficients fitted(const std::vector<AllanPoint>& points);
 
 }  // namespace schuler::analysis

@@ -7,7 +7,7 @@
 namespace schuler::analysis {
 namespace {
 
-/// Of rotations about the vertical and about a level axis: perpendicular, so their half angles' cosines multiply.
+/// From rotations about the vertical and about a level axis: perpendicular, so the cosines of the half angles multiply.
 double total_of(double heading, double inclination) {
     return 2.0 * std::acos(std::min(1.0, std::abs(std::cos(0.5 * heading) * std::cos(0.5 * inclination))));
 }

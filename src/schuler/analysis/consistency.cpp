@@ -18,9 +18,9 @@ double mean_of(std::span<const double> values) {
     return sum / static_cast<double>(values.size());
 }
 
-/// How many independent values a correlated series is worth.
+/// Number of independent values equivalent to a correlated series.
 double effective_number(std::span<const double> all) {
-    // Correlation times are seconds and more: decimating a long series keeps the answer and bounds the work.
+    // Correlation times are seconds and more: decimating a long series preserves the result and bounds the work.
     constexpr std::size_t enough = 20000;
     const std::size_t stride = (all.size() + enough - 1) / enough;
     std::vector<double> v;
@@ -44,8 +44,8 @@ double effective_number(std::span<const double> all) {
     return std::clamp(n / std::max(inflation, 1e-3), 1.0, n);
 }
 
-/// Sum over lags of both signs of the squared autocorrelation of a series whose expectation is zero, each lag weighted with the share
-/// of pairs that it has; the window is the first that is `width` times as long as the sum over it [Sokal1997:3].
+/// Sum over lags of both signs of the squared autocorrelation of a zero-mean series, each lag weighted by its fraction of pairs;
+/// the window is the first that is `width` times as long as the sum over it [Sokal1997:3].
 double squared_correlation_time(std::span<const double> x) {
     constexpr double width = 5.0;
     const auto n = static_cast<double>(x.size());
@@ -63,9 +63,9 @@ double squared_correlation_time(std::span<const double> x) {
     return weighted / n;
 }
 
-/// How many independent epochs the epochs of a block are worth to the mean of their NEES. For normal errors the covariance of two NEES
-/// is twice the sum of the squared correlations of their components. Correlations are taken about zero, which is what a filter states:
-/// about the mean of the run, errors that hardly change in it would look independent.
+/// Number of independent epochs equivalent to the epochs of a block for the mean of their NEES. For normal errors the covariance
+/// of two NEES is twice the sum of the squared correlations of their components. Correlations are taken about zero, as stated by
+/// a filter: about the mean of the run, nearly constant errors would appear independent.
 double effective_epochs(const std::vector<Eigen::Vector3d>& all) {
     constexpr std::size_t enough = 5000;  // a longer series is decimated: correlation times are seconds and more
     const std::size_t stride = (all.size() + enough - 1) / enough;

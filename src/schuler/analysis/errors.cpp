@@ -55,7 +55,7 @@ ErrorRow error_between(const earth::Earth& earth, const SolutionRow& estimate, c
     for (Eigen::Index i = 0; i < 3; ++i) row.rpy[i] = std::isnan(turned[i]) ? not_given : math::wrap_pi(turned[i]);
     row.std_position = earth::sigma_swapped(estimate.std_position);
     row.std_velocity = earth::sigma_swapped(estimate.std_velocity);
-    if (math::is_steep(estimate.rpy) && turned.allFinite()) {  // as their sigmas are
+    if (math::is_steep(estimate.rpy) && turned.allFinite()) {  // consistent with their sigmas
         const Eigen::Vector3d turn = math::rotation_vector_from_quaternion(math::quaternion_from_rpy(estimate.rpy) *
                                                                            math::quaternion_from_rpy(reference.rpy).conjugate());
         row.rpy = math::attitude_error_from_phi(estimate.rpy) * -turn;

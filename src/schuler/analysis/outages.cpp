@@ -7,7 +7,7 @@ namespace schuler::analysis {
 
 namespace {
 
-/// The solution at a time as it was before an update at that very time.
+/// The solution at a time, before an update at that time.
 std::optional<SolutionRow> solution_before_update(const earth::Earth& earth, std::span<const SolutionRow> rows, Time time,
                                                   Duration max_gap) {
     const auto at = std::lower_bound(rows.begin(), rows.end(), time, [](const SolutionRow& row, Time t) { return row.time < t; });

@@ -1,4 +1,4 @@
-// Two solutions of one log that have no measurement in common: their difference and its sigma.
+// Two solutions of one log without common measurements: their difference and its sigma.
 #pragma once
 
 #include "schuler/core/nav_state.h"
@@ -22,10 +22,10 @@ struct SeparationRow {
 [[nodiscard]] std::vector<SeparationRow> separation(const earth::Earth& earth, std::span<const SolutionRow> forward,
                                                     std::span<const SolutionRow> backward);
 
-/// Of one component over a span: NaN where there is nothing to count.
+/// For one component over an interval: NaN if there are no values.
 struct SeparationSpread {
     double rms = std::numeric_limits<double>::quiet_NaN();
-    double inside_3sigma = std::numeric_limits<double>::quiet_NaN();  ///< share of the epochs
+    double inside_3sigma = std::numeric_limits<double>::quiet_NaN();  ///< fraction of the epochs
 };
 
 struct SeparationSummary {

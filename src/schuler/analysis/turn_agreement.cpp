@@ -7,10 +7,10 @@
 namespace schuler::analysis {
 namespace {
 
-constexpr double stretch = 0.1;  // s; a quarter of a turn in it still shortens the chord by a tenth only
-constexpr double longest = 0.2;  // s; in a longer one the log has a gap
+constexpr double stretch = 0.1;  // s; a quarter turn within it shortens the chord by only a tenth
+constexpr double longest = 0.2;  // s; a longer interval is a gap in the log
 
-/// Mean of a run of samples and their mean time, s.
+/// Mean of consecutive samples and their mean time, s.
 struct TimedMean {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     double time = 0.0, n = 0.0;

@@ -24,14 +24,14 @@ namespace {
 namespace fs = std::filesystem;
 using report::Json;
 
-constexpr const char* entry_file = "batch.json";  ///< in the folder of each data set that is done
+constexpr const char* entry_file = "batch.json";  ///< in the folder of each completed data set
 
-/// A data set of the batch and what became of it.
+/// A data set of the batch and its result.
 struct Entry {
     fs::path input;
     std::string name;  ///< of its folder
     std::string failure;
-    std::string verdict;  ///< empty where it failed
+    std::string verdict;  ///< empty if it failed
     std::vector<std::string> reasons;
     Json numbers = Json::object();
 
@@ -75,7 +75,7 @@ void add_from_list(const fs::path& list, std::vector<fs::path>& out) {
     }
 }
 
-/// A folder is one data set where it has a dataset.toml or any file; a folder of nothing but folders has one in each.
+/// A folder is one data set if it has a dataset.toml or any file; a folder that contains only folders has one in each.
 void add_from_folder(const fs::path& folder, std::vector<fs::path>& out) {
     std::vector<fs::path> inner;
     bool file = false;
@@ -126,7 +126,7 @@ std::vector<Entry> entries_of(const std::vector<std::string>& inputs) {
     return out;
 }
 
-/// What an entry was made with: another one is made anew.
+/// Identifies the input of an entry: if it differs the entry is reprocessed.
 std::string identity_of(const Entry& entry, const settings::ProcessRequest& common) {
     std::string out = common.version + "\n" + fs::weakly_canonical(entry.input).string() + "\n";
     for (const settings::Setting& s : common.over({})) out += s.key + " = " + settings::to_toml(s.value) + "\n";
@@ -154,7 +154,7 @@ void take_summary(Entry& e, const std::string& json) {
     }
 }
 
-/// What an earlier batch has finished; false where there is nothing of that.
+/// Reads the results of an earlier batch; false if there are none.
 bool taken_up(Entry& e, const fs::path& folder, const std::string& identity) {
     std::ifstream in(folder / entry_file);
     if (!in) return false;
@@ -195,7 +195,7 @@ std::string link_to(const std::string& name) {
     return out;
 }
 
-/// For people, and batch.csv.
+/// For display, and batch.csv.
 report::ResultTable table_of(const std::vector<Entry>& entries) {
     report::ResultTable table{"", {{"name", "data set, worst first"}, {"verdict", "verdict"}}};
     for (const Column& c : columns) table.columns.push_back(c.column);
@@ -210,7 +210,7 @@ report::ResultTable table_of(const std::vector<Entry>& entries) {
     return table;
 }
 
-/// The same as a page, its names as links to the reports.
+/// The same as a page, with names linked to the reports.
 std::string page_of(const std::vector<Entry>& entries, const fs::path& folder, const std::string& version) {
     report::ReportInput page{"Batch", fmt::format("{} data sets, worst first", entries.size())};
     page.version = version;
@@ -230,11 +230,11 @@ report::Outcome process_batch(const BatchRequest& request) {
     out.folder = request.common.output.empty() ? fs::path("out/batch") : request.common.output;
     report::make_folder(out.folder);
     report::write_text(out.folder / "batch.csv",
-                       report::table_csv(table_of({})));  // a folder that cannot be written is known before the work
+                       report::table_csv(table_of({})));  // an unwritable folder is detected before the work
     for_each_run(
         entries.size(), request.jobs, [&](std::size_t k) { process_entry(entries[k], request, out.folder / entries[k].name); },
         request.common.progress);
-    // Worst first: by the verdict, then by what the errors are, or what the data set says of itself.
+    // Worst first: by the verdict, then by the errors, or the data set's own consistency.
     const auto badness = [](const Entry& e) {
         for (const char* key : {"horizontal_rms_m", "self_check_rms_m"})
             if (std::isfinite(e.number(key))) return e.number(key);

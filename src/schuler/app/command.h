@@ -1,4 +1,4 @@
-// A command of the program: its name, its options, its function. Every door (command line, page, documents) is made of the list.
+// A command of the program: name, options and function. All interfaces (command line, page, documents) are built from the list.
 #pragma once
 
 #include "schuler/core/team.h"
@@ -12,30 +12,30 @@
 
 namespace schuler::app {
 
-/// What a door gives every command.
+/// Context supplied to every command by an interface.
 struct CommandContext {
     std::string version{};
-    std::function<void(double)> progress{};  ///< share done; may be empty
-    int threads = 0;                         ///< at most so many runs at once where a request leaves it open; 0: one a core
-    std::shared_ptr<Team> team{};            ///< the processes that this one is started with; null: it is alone
+    std::function<void(double)> progress{};  ///< fraction done; may be empty
+    int threads = 0;                         ///< limit of simultaneous runs if a request does not set it; 0: one per core
+    std::shared_ptr<Team> team{};            ///< the processes started together with this one; null: none
 };
 
 struct Command {
     std::string name;                             ///< "process", "analyze equator"
     std::string purpose;                          ///< one line
-    std::string examples;                         ///< lines of a terminal, and notes
-    std::vector<settings::OptionSpec> options{};  ///< in the order of help, each with its default in `defaults`
+    std::string examples;                         ///< terminal lines and notes
+    std::vector<settings::OptionSpec> options{};  ///< in the order of the help text, each with its default in `defaults`
     settings::SettingList defaults{};
-    std::string json{};  ///< what --json prints; empty: there is none
-    bool runs = false;   ///< it shows how far it is
+    std::string json{};  ///< output of --json; empty: not supported
+    bool runs = false;   ///< it reports progress
     std::function<report::Outcome(const settings::SettingList&, const CommandContext&)>
         perform{};  ///< empty: a group of commands
 };
 
-/// All of them, groups before their members, in the order of help.
+/// All commands, groups before their members, in the order of the help text.
 [[nodiscard]] const std::vector<Command>& commands();
 
-/// Null where there is none of that name.
+/// Null if there is none of that name.
 [[nodiscard]] const Command* command_named(std::string_view name);
 
 }  // namespace schuler::app

@@ -67,7 +67,7 @@ report::Outcome evaluate_files(const fs::path& solution, const fs::path& referen
 
 namespace {
 
-/// Opens and loads what has a description, as a run would, and with the same errors; what the files show goes into the report.
+/// Opens and loads a described data set as a run would, with the same errors; facts found from the files are added to the report.
 inspect::InspectReport inspect_described(const fs::path& path, std::vector<Fact>& facts) {
     settings::Dataset d = settings::open_dataset(path);
     const settings::Config config = settings::config_from(d.settings);

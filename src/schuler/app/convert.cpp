@@ -35,7 +35,7 @@ const io::Format& wanted_format(const fs::path& out, const std::string& name) {
                       fmt::format("use --to {} for solutions, rinex-obs or rinex-nav for raw measurements", formats_to_write()));
 }
 
-/// Instruments of a log as tables: one that is named, or all of them into a folder. Nothing where a trajectory is asked for.
+/// Instruments of a log as tables: a named one, or all of them into a folder. Empty if a trajectory is requested.
 std::optional<report::Outcome> convert_streams(const fs::path& in, const fs::path& out, const std::string& name) {
     const io::StreamPath where = io::stream_path(in);
     const bool into_folder = name.empty() && !out.has_extension();
@@ -47,7 +47,7 @@ std::optional<report::Outcome> convert_streams(const fs::path& in, const fs::pat
     const io::StreamLog log = format->read(io::TextInput(where.file), warnings);
     if (!where.stream.empty() && log.find(where.stream) == nullptr) {
         io::LogFiles files;
-        (void)files.open(in, warnings);  // says which there are
+        (void)files.open(in, warnings);  // the error lists the existing ones
     }
     report::Outcome outcome;
     std::error_code ec;

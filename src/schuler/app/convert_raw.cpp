@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// "rinex-obs", "rinex-nav" or nothing, by the end of a name: .23o and .23O are observations of 2023.
+/// "rinex-obs", "rinex-nav" or empty, from the file name ending: .23o and .23O are observations of 2023.
 std::string format_of(const fs::path& file) {
     std::string e = file.extension().string();
     std::ranges::transform(e, e.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });

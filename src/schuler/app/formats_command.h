@@ -6,10 +6,10 @@
 
 namespace schuler::app {
 
-/// The formats that are read and written.
+/// The formats that can be read and written.
 [[nodiscard]] std::string formats_help();
 
-/// What each column of the files was taken for. @throws Error(Input) where the path does not exist
+/// The interpretation of each column of the files. @throws Error(Input) if the path does not exist
 [[nodiscard]] std::string explained(const std::filesystem::path& path);
 
 }  // namespace schuler::app

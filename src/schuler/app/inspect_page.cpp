@@ -29,7 +29,7 @@ struct Bar {
 
 bool is_imu(const inspect::FileReport& f) { return f.chosen && f.kind.find("imu") != std::string::npos; }
 
-/// Files whose times come to the IMU's: those of its clock go with it.
+/// Files converted to the IMU's time axis: those that share its clock are shifted too.
 std::vector<Bar> bars_of(const inspect::InspectReport& found) {
     std::vector<Bar> bars;
     const auto imu = std::ranges::find_if(found.files, is_imu);
@@ -43,7 +43,7 @@ std::vector<Bar> bars_of(const inspect::InspectReport& found) {
     return bars;
 }
 
-/// Bars that lie near each other in time: clocks that have nothing in common are drawn apart.
+/// Bars close to each other in time: unrelated clocks are drawn separately.
 std::vector<std::vector<Bar>> clusters(std::vector<Bar> bars) {
     constexpr double apart = 86'400.0;  // s
     std::ranges::stable_sort(bars, {}, &Bar::start);
@@ -54,7 +54,7 @@ std::vector<std::vector<Bar>> clusters(std::vector<Bar> bars) {
         end = std::max(out.back().size() > 0 ? end : b.stop, b.stop);
         out.back().push_back(b);
     }
-    for (auto& cluster : out)  // in the order in which they were found
+    for (auto& cluster : out)  // in the order found
         std::ranges::stable_sort(cluster, {}, [](const Bar& b) { return b.file; });
     return out;
 }

@@ -1,4 +1,4 @@
-// What `inspect` found as a page: bars of time of every stream, the track, tables.
+// The result of `inspect` as a page: time bars of all streams, the track, tables.
 #pragma once
 
 #include "schuler/inspect/inspect.h"

@@ -13,14 +13,14 @@ namespace {
 
 // Measured on one core of 2024, simulation and filter together: examples/uav-mems.toml of one and of three hours.
 constexpr double seconds_per_sample = 4e-6, seconds_per_fix = 2e-5, seconds_per_range = 2e-6, bytes_per_sample = 420.0;
-constexpr double long_time = 20.0, much_memory = 2e9;  // s, bytes: what is said beforehand
+constexpr double long_time = 20.0, much_memory = 2e9;  // s, bytes: above these a notice is given
 
 const settings::Value* value_of(const settings::SettingList& given, std::string_view key) {
     const auto found = std::ranges::find(given, key, &settings::Setting::key);
     return found == given.end() ? nullptr : &found->value;
 }
 
-/// As it would be run: the file's settings and those of --set.
+/// As for a run: the file's settings and those of --set.
 settings::ScenarioConfig scenario_of(const settings::SettingList& given, const std::string& file) {
     settings::SettingList list = settings::scenario_settings(file, std::nullopt);
     if (const settings::Value* set = value_of(given, "set"); set != nullptr && set->list() != nullptr)
@@ -55,7 +55,7 @@ std::string notice_of_size(const settings::SettingList& given) {
                            ranges > 0.0 ? fmt::format(", {:.2g} ranges", ranges) : "", time_text(seconds),
                            runs > 1.0 ? "each" : "on one core", bytes / 1e9);
     } catch (const Error&) {
-        return {};  // the command itself says what is wrong
+        return {};  // the command itself reports the error
     }
 }
 

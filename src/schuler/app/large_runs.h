@@ -1,4 +1,4 @@
-// What a request would take, where that is much: said before it begins.
+// Estimated cost of a large request, reported before it starts.
 #pragma once
 
 #include "schuler/settings/value.h"
@@ -7,8 +7,8 @@
 
 namespace schuler::app {
 
-/// One line on the time and memory that simulating the scenario of a request takes, empty where it is little or the request has no
-/// scenario that can be read. Estimates, by the samples of all instruments.
+/// One line on the time and memory required to simulate the scenario of a request, empty if they are small or the request has no
+/// readable scenario. Estimated from the samples of all instruments.
 [[nodiscard]] std::string notice_of_size(const settings::SettingList& given);
 
 }  // namespace schuler::app

@@ -21,7 +21,7 @@ report::Outcome run_live_config(const LiveRequest& request) {
     const live::LiveSettings settings = live::read_live(request.config, request.above);
     const live::LiveReport r = live::run_live(settings, {});
     report::Outcome out;
-    // what goes to standard output is messages only
+    // standard output must contain messages only
     if (std::ranges::any_of(settings.outputs,
                             [](const live::OutputSettings& o) { return o.to.medium == live::Medium::Standard; }))
         return out;
@@ -40,7 +40,7 @@ report::Outcome replay_dataset(const ReplayDatasetRequest& request) {
     WarningLog warnings;
     solution::LoadedDataset data = solution::load_dataset(dataset, config, warnings);
     solution::warn_of_ignored(solution::leave_out_chosen(data), warnings);
-    if (const auto C_imu_mag = settings::C_imu_mag(data.config))  // what the instrument itself said
+    if (const auto C_imu_mag = settings::C_imu_mag(data.config))  // axes stated by the instrument itself
         for (MagSample& m : data.recording.mag) m.field_b = C_imu_mag->transpose() * m.field_b;
     report::Outcome out;
     const std::size_t lines =

@@ -12,7 +12,7 @@ struct LiveRequest {
     std::filesystem::path config;
     settings::SettingList above;
 };
-/// Runs until it is stopped. @throws Error
+/// Runs until stopped. @throws Error
 [[nodiscard]] report::Outcome run_live_config(const LiveRequest& request);
 
 struct ReplayDatasetRequest {
@@ -20,7 +20,7 @@ struct ReplayDatasetRequest {
     std::string to;
     double speed = 1.0;
 };
-/// Sends the samples of a data set as lines of JSON. @throws Error
+/// Sends the samples of a data set as JSON lines. @throws Error
 [[nodiscard]] report::Outcome replay_dataset(const ReplayDatasetRequest& request);
 
 }  // namespace schuler::app

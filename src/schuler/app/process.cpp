@@ -35,7 +35,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Whether nothing but solution.csv needs the rows: it is then written while the filter runs.
+/// True if only solution.csv requires the rows: it is then written while the filter runs.
 bool only_written(const solution::LoadedDataset& data) {
     const settings::Config& c = data.config;
     const auto needs_rows = [](const std::string& file) { return file != "solution" && file != "summary" && file != "config"; };
@@ -45,11 +45,11 @@ bool only_written(const solution::LoadedDataset& data) {
            std::ranges::none_of(c.output.files, needs_rows);
 }
 
-/// The run once more with these settings; false where the filter fails with them.
+/// Repeats the run with these settings; false if the filter fails with them.
 bool repeated(solution::ResultBundle& bundle, fusion::Settings settings, const fusion::RowSink& rows) {
     settings.output_rate = solution::internal_rate(bundle.data);
     WarningLog heard;                                 // already
-    fusion::Findings found = bundle.result.findings;  // is still what it was found from
+    fusion::Findings found = bundle.result.findings;  // still the basis of the settings
     try {
         bundle.result = fusion::run_filter(bundle.data.recording, settings, heard, {}, rows);
     } catch (const Error& e) {
@@ -62,7 +62,7 @@ bool repeated(solution::ResultBundle& bundle, fusion::Settings settings, const f
     return true;
 }
 
-/// The self-check of the run; true where it was repeated with the noise that was missing, and then `rows` has the rows of the solution.
+/// The self-check of the run; true if it was repeated with increased noise, in which case `rows` has received the rows of the solution.
 bool check_itself(solution::ResultBundle& bundle, const fusion::RowSink& rows, WarningLog& warnings) {
     std::optional<fusion::Settings> wider;
     solution::SelfCheck& check = bundle.self_check.emplace(solution::self_check(bundle.data, bundle.result, wider));
@@ -85,7 +85,7 @@ bool check_itself(solution::ResultBundle& bundle, const fusion::RowSink& rows, W
     return widened;
 }
 
-/// The lever arm that is given, checked; true where the run was repeated with it as a state, and then `rows` has the rows of the solution.
+/// Checks the given lever arm; true if the run was repeated with it as a state, and then `rows` has the rows of the solution.
 bool check_what_is_stated(solution::ResultBundle& bundle, const fusion::RowSink& rows, WarningLog& warnings) {
     const std::optional<solution::LeverArmDoubt> doubt = solution::doubt_of_lever_arm(bundle.data, bundle.result);
     if (!doubt) return false;
@@ -93,7 +93,7 @@ bool check_what_is_stated(solution::ResultBundle& bundle, const fusion::RowSink&
     if (!doubt->refuted) {
         if (!repeated(bundle, doubt->settings, rows)) return false;
         filter.estimate_lever_arm = true;
-    } else {  // noise and latencies were found with the wrong one
+    } else {  // noise and latencies were estimated with the wrong one
         filter.estimate_lever_arm = true;
         filter.gnss.lever_arm_b = doubt->found_b;
         WarningLog heard;
@@ -112,7 +112,7 @@ bool check_what_is_stated(solution::ResultBundle& bundle, const fusion::RowSink&
     return true;
 }
 
-/// From loaded data to files: the part that process and run share.
+/// From loaded data to files: common part of process and run.
 /// `asked`: keys of the settings that were given.
 report::Outcome finished(solution::ResultBundle& bundle, const settings::ProcessRequest& request,
                          const std::set<std::string>& asked, WarningLog& warnings, const fs::path& folder,
@@ -121,7 +121,7 @@ report::Outcome finished(solution::ResultBundle& bundle, const settings::Process
     report::Outcome out;
     out.folder = request.folder_for(bundle.name);
     report::check_overwrite_of_outputs(out.folder);
-    std::unique_ptr<io::StagedFolder> stage;  // only when there is something to write: a run that cannot start leaves no folder
+    std::unique_ptr<io::StagedFolder> stage;  // only if there is something to write: a run that cannot start leaves no folder
     const auto folder_of_results = [&]() -> const fs::path& {
         if (!stage) stage = std::make_unique<io::StagedFolder>(out.folder);
         return stage->path();
@@ -137,7 +137,7 @@ report::Outcome finished(solution::ResultBundle& bundle, const settings::Process
     const WarningLog before = warnings;
     solution::fuse_and_evaluate(bundle, warnings, solution::internal_rate(bundle.data), request.progress, into(stream));
     if (stream && fusion::may_realign(bundle.data.config.filter) &&
-        fusion::diverged_at(bundle.result)) {  // realigned only where its rows are not written yet
+        fusion::diverged_at(bundle.result)) {  // realigned only if its rows have not been written yet
         stream.reset();
         warnings = before;
         solution::fuse_and_evaluate(bundle, warnings, solution::internal_rate(bundle.data), request.progress, {});
@@ -176,7 +176,7 @@ report::Outcome finished(solution::ResultBundle& bundle, const settings::Process
     bundle.verdict = solution::verdict_of(solution::evidence_of(bundle, warnings));
 
     const auto write_begin = std::chrono::steady_clock::now();
-    // summary.json carries the time of writing the others, so it is written last
+    // summary.json contains the writing time of the other files, so it is written last
     if (stream) stream->finish();
     out.files = report::write_outputs(bundle, folder_of_results(), stream != nullptr);
     bundle.timing.write_s = solution::seconds_since(write_begin);

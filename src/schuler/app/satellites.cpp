@@ -21,7 +21,7 @@
 namespace schuler::app {
 namespace {
 
-/// Seconds after the first epoch. A data set's own axis is not there where only raw measurements are read.
+/// Seconds after the first epoch. There is no data set axis if only raw measurements are read.
 std::optional<double> after_first(const std::optional<settings::RunTime>& t, const char* key) {
     if (!t) return std::nullopt;
     if (t->absolute)

@@ -1,4 +1,4 @@
-// `schuler gnss`: a receiver's satellites, epoch by epoch.
+// `schuler gnss`: satellites of a receiver by epoch.
 #pragma once
 
 #include "schuler/report/outcome.h"
@@ -11,7 +11,7 @@ struct SatellitesRequest {
     double missed_detection = 1e-3;
 };
 
-/// Writes gnss.csv, satellites.csv, residuals.csv, report.html and summary.json, with a base carrier.csv too. @throws Error
+/// Writes gnss.csv, satellites.csv, residuals.csv, report.html and summary.json, and with a base also carrier.csv. @throws Error
 [[nodiscard]] report::Outcome gnss_dataset(const SatellitesRequest& request);
 
 }  // namespace schuler::app

@@ -1,4 +1,4 @@
-// Instruments of a survey beside IMU and receiver: gauges of height or depth, a log of velocity, a compass. SI units.
+// Survey instruments other than IMU and receiver: height and depth gauges, velocity log, compass. SI units.
 #pragma once
 
 #include "schuler/core/samples.h"
@@ -7,14 +7,14 @@
 
 namespace schuler {
 
-/// An instant at which a user wants the solution: an exposure of a camera, a shot.
+/// An instant at which the user requests the solution, such as a camera exposure.
 struct NamedInstant {
     Time time;
     std::string name;  ///< may be empty
-    long line = 0;     ///< of its file
+    long line = 0;     ///< line in its file
 };
 
-/// In order of time each; empty where there is no such instrument.
+/// Each list is in time order; it is empty if there is no such instrument.
 struct AidLog {
     std::vector<GaugeSample> gauges;
     std::vector<BodyVelocitySample> velocities;

@@ -1,4 +1,4 @@
-// The one typed error of the library, and the status of hot paths.
+// The single typed error of the library, and the status returned by hot paths.
 #pragma once
 
 #include <stdexcept>
@@ -7,10 +7,10 @@
 
 namespace schuler {
 
-/// Whose fault it is: decides the exit status at the command line (Input: 2, Computation: 1).
+/// Origin of the fault; determines the exit status at the command line (Input: 2, Computation: 1).
 enum class ErrorKind { Input, Computation };
 
-/// Where in the user's input something is wrong. Empty or zero members are unknown.
+/// Location of the fault in the user's input. Empty or zero members are unknown.
 struct SourcePlace {
     std::string file{};
     long line = 0;      ///< 1-based
@@ -18,7 +18,7 @@ struct SourcePlace {
     std::string key{};  ///< key of a settings file, or the name of a column or option
 };
 
-/// Thrown by constructors and readers. what() is one line: `file:line: key: what is wrong; hint`.
+/// Thrown by constructors and readers. what() is one line: `file:line: key: description; hint`.
 class Error : public std::runtime_error {
 public:
     Error(ErrorKind kind, std::string what, SourcePlace place = {}, std::string hint = {});
@@ -35,12 +35,12 @@ private:
     std::string hint_;
 };
 
-/// The input or a setting is unusable.
+/// The input or a setting is invalid.
 [[nodiscard]] inline Error input_error(std::string what, SourcePlace place = {}, std::string hint = {}) {
     return {ErrorKind::Input, std::move(what), std::move(place), std::move(hint)};
 }
 
-/// The computation failed although its input was well formed.
+/// The computation failed although its input was valid.
 [[nodiscard]] inline Error computation_error(std::string what, std::string hint = {}) {
     return {ErrorKind::Computation, std::move(what), {}, std::move(hint)};
 }

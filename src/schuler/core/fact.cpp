@@ -8,7 +8,7 @@
 namespace schuler {
 namespace {
 
-/// A key of an inline table: bare where TOML allows that.
+/// A key of an inline table: bare if permitted by TOML.
 std::string key_text(const std::string& key) {
     const bool bare =
         !key.empty() && std::ranges::all_of(key, [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-'; });

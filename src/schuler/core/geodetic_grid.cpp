@@ -10,7 +10,7 @@ namespace schuler {
 
 namespace {
 
-/// The interval of a rising axis where x lies, and the share of its upper end.
+/// The interval of an ascending axis that contains x, and the weight of its upper end.
 std::pair<std::size_t, double> place_on(const std::vector<double>& axis, double x) {
     const auto above = std::upper_bound(axis.begin() + 1, axis.end() - 1, x);
     const auto i = static_cast<std::size_t>(above - axis.begin()) - 1;

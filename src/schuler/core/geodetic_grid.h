@@ -1,4 +1,4 @@
-// Values at the points of a grid of latitude and longitude.
+// Values on a grid of latitude and longitude.
 #pragma once
 
 #include "schuler/core/position.h"
@@ -9,15 +9,15 @@
 
 namespace schuler {
 
-/// Read between the points by the bilinear rule; outside, the edge goes on. What the three numbers are, its owner says.
+/// Bilinear interpolation between the points, constant extrapolation of the edge outside. The owner defines the three components.
 class GeodeticGrid {
 public:
-    /// lat, lon: rising, at least two each, rad. values: of the first latitude all longitudes, then the next.
-    /// @throws Error(Input) where that is not so.
+    /// lat, lon: ascending, at least two each, rad. values: all longitudes of the first latitude, then of the next.
+    /// @throws Error(Input) if these conditions are not met.
     GeodeticGrid(std::vector<double> lat, std::vector<double> lon, std::vector<Eigen::Vector3d> values);
 
     [[nodiscard]] Eigen::Vector3d at(double lat, double lon) const;
-    /// The place is not beyond the edge.
+    /// True if the position is within the grid.
     [[nodiscard]] bool covers(double lat, double lon) const;
 
 private:

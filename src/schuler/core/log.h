@@ -8,14 +8,14 @@
 
 namespace schuler {
 
-/// Collects warnings. The same topic is stored once, with its first text and a count.
+/// Collects warnings. Each topic is stored once, with its first text and a count.
 class WarningLog {
 public:
-    /// topic groups repetitions ("gnss.std.missing"); text is what is shown for the first of them.
+    /// topic groups repetitions ("gnss.std.missing"); text is shown for the first of them.
     void add(const std::string& topic, const std::string& text, std::size_t count = 1);
-    /// One line a topic in order of first appearance: the text, and "(N times)" where N > 1.
+    /// One line per topic in order of first appearance: the text, and "(N times)" if N > 1.
     [[nodiscard]] std::vector<std::string> summary() const;
-    /// Topics in order of first appearance; the entries of summary() are theirs.
+    /// Topics in order of first appearance, corresponding to the entries of summary().
     [[nodiscard]] const std::vector<std::string>& topics() const { return order_; }
     [[nodiscard]] bool empty() const { return order_.empty(); }
     [[nodiscard]] std::size_t count(const std::string& topic) const;

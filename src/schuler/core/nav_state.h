@@ -1,4 +1,4 @@
-// The navigation solution: what mechanizations integrate and filters estimate.
+// The navigation solution, integrated by mechanizations and estimated by filters.
 #pragma once
 
 #include "schuler/core/position.h"
@@ -25,7 +25,7 @@ struct NavStateEcef {
     Eigen::Quaterniond q_eb = Eigen::Quaterniond::Identity();  ///< body to Earth-fixed, Hamilton
 };
 
-/// One epoch of a solution as reported: state and one sigma of each component.
+/// One reported epoch of a solution: state and one sigma of each component.
 struct SolutionRow {
     Time time;
     Geodetic position;             ///< of the IMU

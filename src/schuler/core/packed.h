@@ -1,4 +1,4 @@
-// Numbers and texts packed into bytes and back: checkpoints, and messages between processes of one machine type.
+// Packing of numbers and texts into bytes and unpacking: for checkpoints, and messages between processes of one machine type.
 #pragma once
 
 #include "schuler/core/error.h"
@@ -30,7 +30,7 @@ private:
     std::string bytes_;
 };
 
-/// Reads what a Packer wrote, in the same order. @throws Error(Input) where it ends too early.
+/// Reads what a Packer wrote, in the same order. @throws Error(Input) if the data end too early.
 class Unpacker {
 public:
     explicit Unpacker(std::string_view bytes) : rest_(bytes) {}
@@ -43,7 +43,7 @@ public:
         return out;
     }
     [[nodiscard]] std::string text() { return std::string(bytes(count(1))); }
-    /// A number of things that take so many bytes each, at least: no more than the rest can hold.
+    /// Reads a count of items of at least `each` bytes each. @throws Error(Input) if the bytes left cannot hold them.
     [[nodiscard]] std::size_t count(std::size_t each) {
         const auto n = get<std::uint64_t>();
         if (n > rest_.size() / each) throw too_short();

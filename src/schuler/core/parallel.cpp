@@ -13,7 +13,7 @@ int hardware_jobs() { return static_cast<int>(std::max(1U, std::thread::hardware
 
 void for_each_run(std::size_t count, int jobs, const std::function<void(std::size_t)>& work,
                   const std::function<void(double)>& progress) {
-    // Runs take seconds each, so a counter shares them out as well as any scheduler.
+    // Runs take seconds each, so a counter distributes them as well as any scheduler.
     std::atomic<std::size_t> next{0};
     std::mutex mutex;
     std::size_t done = 0;
@@ -27,7 +27,7 @@ void for_each_run(std::size_t count, int jobs, const std::function<void(std::siz
                 if (progress) progress(static_cast<double>(done) / static_cast<double>(count));
             }
         } catch (...) {
-            next = count;  // the others end the run they are at
+            next = count;  // the others finish their current run
             const std::lock_guard<std::mutex> lock(mutex);
             if (!failure) failure = std::current_exception();
         }

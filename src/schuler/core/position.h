@@ -1,4 +1,4 @@
-// A type per kind of position; a field keeps its meaning for life.
+// A separate type for each kind of position, so that a field keeps one meaning.
 #pragma once
 
 #include <Eigen/Core>

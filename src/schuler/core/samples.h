@@ -1,4 +1,4 @@
-// Plain structs of what instruments deliver, in SI units and the frames of docs/conventions.md. NaN means "not given".
+// Plain structs of instrument output, in SI units and the frames of docs/conventions.md. NaN means "not given".
 #pragma once
 
 #include "schuler/core/position.h"
@@ -25,7 +25,7 @@ struct ImuSample {
     Eigen::Vector3d accel;
 };
 enum class ImuKind { Rates, Increments };
-enum class ImuStamp { Start, Center, End };  ///< what the time stamp of a sample marks
+enum class ImuStamp { Start, Center, End };  ///< which instant of the interval the time stamp refers to
 
 /// Angle and velocity increments of the body over (time - dt, time], body axes (forward-right-down), rad and m/s.
 struct ImuIncrement {
@@ -40,19 +40,19 @@ enum class FixType : std::uint8_t { None, Autonomous, Differential, RtkFixed, Rt
 /// One epoch of a GNSS receiver's solution at the antenna.
 struct GnssFix {
     Time time;
-    Geodetic position;                            ///< NaN members where absent
+    Geodetic position;                            ///< NaN members if absent
     Eigen::Vector3d velocity_n = not_given3();    ///< north, east, down, m/s
     Eigen::Vector3d std_position = not_given3();  ///< north, east, down, m, one sigma
     Eigen::Vector3d std_velocity = not_given3();  ///< north, east, down, m/s, one sigma
     FixType fix = FixType::Unknown;
     int satellites = -1;
-    double position_age = 0.0;  ///< s; the position is valid at time - position_age (0 unless the log says so)
+    double position_age = 0.0;  ///< s; the position is valid at time - position_age (0 unless given by the log)
     double velocity_age = 0.0;  ///< s; likewise for the velocity
 };
 
 struct BaroSample {
     Time time;
-    double height = not_given;    ///< m, barometric height (of whatever datum: its bias is a state)
+    double height = not_given;    ///< m, barometric height (datum arbitrary: its bias is a state)
     double pressure = not_given;  ///< Pa, static pressure
 };
 
@@ -64,30 +64,30 @@ struct MagSample {
 /// Speed of a wheeled vehicle over ground along its forward axis.
 struct OdometerSample {
     Time time;
-    double speed = not_given;  ///< m/s, backwards negative
+    double speed = not_given;  ///< m/s, negative backwards
     double std = not_given;    ///< m/s, one sigma
 };
 
-/// Heading of the body's forward axis by a sensor of its own: two antennas, a gyrocompass.
+/// Heading of the body's forward axis from a separate sensor: two antennas, a gyrocompass.
 struct HeadingSample {
     Time time;
     double heading = not_given;  ///< rad, clockwise from true north
     double std = not_given;      ///< rad, one sigma
 };
 
-/// Heights by up to three gauges, m; NaN where one is not there.
+/// Heights from up to three gauges, m; NaN if a gauge is absent.
 struct GaugeSample {
     Time time;
     Eigen::Vector3d height = not_given3();
 };
 
-/// Velocity against the Earth at a log, body axes, m/s.
+/// Velocity relative to the Earth at a velocity log, body axes, m/s.
 struct BodyVelocitySample {
     Time time;
     Eigen::Vector3d velocity_b;
 };
 
-/// Truth or another program's solution. NaN members are absent.
+/// Truth or another program's solution. Absent members are NaN.
 struct ReferenceSample {
     Time time;
     Geodetic position{not_given, not_given, not_given};

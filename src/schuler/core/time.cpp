@@ -73,7 +73,7 @@ std::int64_t period_number(Time t, Duration period) {
 
 Time Time::from_gps(int week, double seconds_of_week) {
     constexpr std::int64_t last = INT64_MAX / ns_per_s,
-                           most_weeks = (last - 4'600'000'001) / s_per_week;  // what to_ns adds at most
+                           most_weeks = (last - 4'600'000'001) / s_per_week;  // upper limit of the addition in to_ns
     return {std::clamp<std::int64_t>(week, -most_weeks, most_weeks) * s_per_week * ns_per_s + to_ns(seconds_of_week)};
 }
 
@@ -84,7 +84,7 @@ int gps_minus_utc(std::int64_t utc_seconds_since_1980) {
 }
 
 Time gps_from_utc(const Calendar& utc) {
-    // The minute decides the offset, so that second 60 of a leap second still has the offset of its minute.
+    // The minute determines the offset, so that second 60 of a leap second still has the offset of its minute.
     const std::int64_t minutes = whole_minutes_in_seconds(utc);
     return {(minutes + gps_minus_utc(minutes)) * ns_per_s + to_ns(utc.second)};
 }

@@ -1,4 +1,4 @@
-// Time: integer nanoseconds on one continuous axis; seconds as double only for differences and at the edges.
+// Time: integer nanoseconds on one continuous axis; seconds as double only for differences and at the interfaces.
 #pragma once
 
 #include <compare>
@@ -11,7 +11,7 @@ struct Duration {
     std::int64_t ns = 0;
 
     [[nodiscard]] static Duration from_seconds(
-        double s);  ///< nearest nanosecond; at most +-4.6e9 s, so that two of them add up; 0 where s is not a number
+        double s);  ///< nearest nanosecond; limited to +-4.6e9 s, so that two can be added; 0 if s is not a number
     [[nodiscard]] double seconds() const { return static_cast<double>(ns) * 1e-9; }
     auto operator<=>(const Duration&) const = default;
 };
@@ -33,8 +33,8 @@ inline Time operator-(Time a, Duration d) { return {a.ns - d.ns}; }
 inline Duration operator-(Duration d) { return {-d.ns}; }
 inline Duration operator+(Duration a, Duration b) { return {a.ns + b.ns}; }
 
-/// Number of the period that an instant belongs to. Stamps scatter about a grid by less than 0.1 ms: one just before its grid point
-/// stands for it.
+/// Index of the period that contains an instant. Time stamps scatter about a grid by less than 0.1 ms: a stamp just before its grid
+/// point is counted with it.
 [[nodiscard]] std::int64_t period_number(Time t, Duration period);
 
 /// 1980-01-06 00:00:00 UTC in seconds since 1970-01-01 00:00:00 UTC.
@@ -49,7 +49,7 @@ struct Calendar {
 };
 
 /// GPS minus UTC, whole seconds, at a UTC instant given as seconds since 1980-01-06 00:00:00 UTC counted without leap
-/// seconds. Zero before 1981-07-01. One table, to the leap second of 2016-12-31.
+/// seconds. Zero before 1981-07-01. From a single table that ends with the leap second of 2016-12-31.
 [[nodiscard]] int gps_minus_utc(std::int64_t utc_seconds_since_1980);
 
 /// UTC calendar to GPS time. During a leap second (second >= 60) the result continues without a jump.

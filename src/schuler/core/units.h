@@ -1,4 +1,4 @@
-// Factors from the units of the edges to SI: value_si = value * factor. Used at doors only; inside all is SI and radians.
+// Factors from external units to SI: value_si = value * factor. Used at interfaces only; internally all is SI and radians.
 #pragma once
 
 #include <numbers>

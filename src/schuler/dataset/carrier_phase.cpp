@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Hourly files of one receiver as one log.
+/// Combines hourly files of one receiver.
 gnss::ObservationLog joined(std::vector<gnss::ObservationLog> logs) {
     std::ranges::stable_sort(
         logs, {}, [](const gnss::ObservationLog& l) { return l.epochs.empty() ? Time{INT64_MAX} : l.epochs.front().time; });
@@ -71,7 +71,7 @@ GnssFix fix_of(const ppk::EpochSolution& s) {
     fix.position = earth::geodetic_from_ecef(earth::wgs84, s.position);
     const Eigen::Matrix3d C_ne = earth::C_en(fix.position.lat, fix.position.lon).transpose();
     fix.std_position = (C_ne * s.covariance * C_ne.transpose()).diagonal().cwiseSqrt();
-    constexpr double useful = 3.0;  // m/s: beyond, nothing but the supposed motion says it
+    constexpr double useful = 3.0;  // m/s: above this the value depends on the assumed motion only
     if (s.velocity.allFinite() && s.velocity_covariance.trace() < useful * useful) {
         fix.velocity_n = C_ne * s.velocity;
         fix.std_velocity = (C_ne * s.velocity_covariance * C_ne.transpose()).diagonal().cwiseSqrt();

@@ -1,4 +1,4 @@
-// Fixes from carrier phases against a base station.
+// Fixes from carrier phases relative to a base station.
 #pragma once
 
 #include "schuler/core/log.h"
@@ -11,14 +11,14 @@
 
 namespace schuler::dataset {
 
-/// Positions of a rover against the base, with what was found on the way.
+/// Positions of a rover relative to the base, with additional findings.
 struct CarrierPhase {
     std::vector<GnssFix> fixes;              ///< GPS time
     std::vector<ppk::EpochSolution> epochs;  ///< of each fix
     Ecef base;
 };
 
-/// From the files of the description's raw and base, whose relative paths start at `folder`.
+/// From the raw and base files of the description, with relative paths based on `folder`.
 /// @throws Error(Input): a file that cannot be read, a base that does not belong to the rover.
 [[nodiscard]] CarrierPhase carrier_phase(const std::filesystem::path& folder, const Description& description,
                                          WarningLog& warnings);

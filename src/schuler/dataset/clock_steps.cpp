@@ -7,10 +7,10 @@
 namespace schuler::dataset {
 namespace {
 
-/// The first sample after the hole of a step.
+/// The first sample after the gap of a step.
 template <class Sample>
 std::optional<Time> end_of_hole(const std::vector<Sample>& log, const inspect::ClockStep& step) {
-    constexpr double same = 1e-3, about = 60.0;  // s: rows without values at the beginning were perhaps left out
+    constexpr double same = 1e-3, about = 60.0;  // s: rows without values at the beginning may have been omitted
     std::optional<Time> end;
     double nearest = about;
     for (std::size_t i = 1; i < log.size(); ++i) {
@@ -29,7 +29,7 @@ void move_back(std::vector<Sample>& log, Time from, double seconds) {
         if (s.time >= from) s.time = s.time + Duration::from_seconds(-seconds);
 }
 
-/// Whether a log has no sample in the hole but near its ends, and goes on after it.
+/// True if a log has no sample in the gap except near its ends, and continues after it.
 template <class Sample>
 bool shares(const std::vector<Sample>& log, Time end, const inspect::ClockStep& step) {
     const Time begin = end + Duration::from_seconds(-step.hole), late = end + Duration::from_seconds(-0.1 * step.seconds);

@@ -1,4 +1,4 @@
-// Steps of a log's clock, put back.
+// Correction of steps in a log's clock.
 #pragma once
 
 #include "schuler/core/samples.h"
@@ -8,8 +8,8 @@
 
 namespace schuler::dataset {
 
-/// Takes the steps out of the log whose clock made them; with the inertial log go those that have a hole at the same place, which share its
-/// clock. A step whose hole is not in the log, as where its rows were read otherwise, is left.
+/// Removes the steps from the log whose clock caused them; if the inertial log is affected, also from the logs with a gap at the
+/// same place, which share its clock. A step whose gap is not in the log, for example if its rows were read differently, is left.
 void put_clock_steps_back(Recording& recording, const std::vector<inspect::ClockStep>& steps);
 
 }  // namespace schuler::dataset

@@ -8,10 +8,10 @@
 
 namespace schuler::dataset {
 
-/// Folder with the magnetic model: $SCHULER_DATA_DIR, else beside the program as installed or built. Empty where there is none.
+/// Folder with the magnetic model: $SCHULER_DATA_DIR, else relative to the program as installed or built. Empty if there is none.
 [[nodiscard]] std::filesystem::path magnetic_model_folder();
 
-/// Decimal year of a stamp on the data set's own axis; NaN where neither it nor the settings give the date.
+/// Decimal year of a stamp on the data set's own axis; NaN if neither it nor the settings give the date.
 [[nodiscard]] double decimal_year_of(const TimeConfig& time, Time stamp);
 
 }  // namespace schuler::dataset

@@ -1,4 +1,4 @@
-// What a data set consists of and what its numbers mean, as given by a user or by the files themselves.
+// The components of a data set and the meaning of its numbers, as given by a user or by the files themselves.
 #pragma once
 
 #include "schuler/core/position.h"
@@ -13,9 +13,9 @@
 
 namespace schuler::dataset {
 
-/// A file of a data set and how its columns are named.
+/// A file of a data set and the names of its columns.
 struct FileSource {
-    std::string file;                            ///< relative to the data set's folder, $NAME for environment variables
+    std::string file;                            ///< relative to the data set's folder; $NAME denotes environment variables
     std::map<std::string, std::string> columns;  ///< canonical name = the file's name
     std::map<std::string, double> scale;         ///< canonical name = factor to the canonical unit
     double time_offset = 0.0;                    ///< s, added to the file's times
@@ -27,9 +27,9 @@ struct TimeConfig {
     std::string date;         ///< YYYY-MM-DD of seconds of day
 };
 
-/// Raw measurements of a receiver and how they become fixes.
+/// Raw measurements of a receiver and their processing to fixes.
 struct RawGnssConfig {
-    std::vector<std::string> observations;  ///< files; empty: there are none
+    std::vector<std::string> observations;  ///< files; empty: none
     std::vector<std::string> navigation;
     std::string precise;
     gnss::SinglePointSettings solver;
@@ -38,9 +38,9 @@ struct RawGnssConfig {
 
 /// A base station for carrier-phase positions.
 struct BaseConfig {
-    std::vector<std::string> observations;  ///< files; empty: there is no base
-    std::optional<Ecef> position;           ///< of its antenna; nothing: the header's
-    bool position_is_geodetic = true;       ///< as it was written
+    std::vector<std::string> observations;  ///< files; empty: no base
+    std::optional<Ecef> position;           ///< of its antenna; empty: the header's
+    bool position_is_geodetic = true;       ///< the form in which it was given
     ppk::Settings settings;
 };
 
@@ -51,8 +51,8 @@ struct Description {
     TimeConfig time;
     FileSource imu, gnss, baro, mag, odometer, heading, reference;
     FileSource ranges;                ///< [stations] file: pseudoranges to satellites and ground stations
-    double clock_drift = 0.0;         ///< s/s by which the clock of the IMU and of what was logged with it runs fast
-    std::string station_coordinates;  ///< [stations] coordinates: places of the stations
+    double clock_drift = 0.0;         ///< s/s, rate by which the clock of the IMU and of the logs that share it runs fast
+    std::string station_coordinates;  ///< [stations] coordinates: positions of the stations
     RawGnssConfig raw;
     BaseConfig base;
     std::string axes = "frd";  ///< sensor axes of the IMU
@@ -60,7 +60,7 @@ struct Description {
     std::map<std::string, std::string> fix_codes;
     std::optional<double> undulation;  ///< m, geoid above ellipsoid, for heights above mean sea level
     Quaternion quaternion = Quaternion::BodyToNed;
-    double sea_level_pressure = 101325.0;  ///< Pa, by which pressures of a barometer become heights
+    double sea_level_pressure = 101325.0;  ///< Pa, for the conversion of barometer pressures to heights
 };
 
 }  // namespace schuler::dataset

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 void diagnose_imu_log(const fs::path& folder, const Description& description) {
     if (folder.empty() || description.imu.file.empty() || !description.imu.scale.empty()) return;
     const fs::path file = resolved(folder, description.imu.file, "imu.file");
-    for (const inspect::FileReport& report : inspect::inspect(file.parent_path()).files) {  // with the fixes to compare with
+    for (const inspect::FileReport& report : inspect::inspect(file.parent_path()).files) {  // including the fixes for comparison
         if (report.path != file.filename()) continue;
         for (const inspect::Problem& problem : report.problems)
             if (problem.level == inspect::Level::Error) throw input_error(problem.text, {file.string(), 0, 0, {}}, problem.hint);

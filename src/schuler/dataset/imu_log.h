@@ -1,4 +1,4 @@
-// What inspection finds wrong with the IMU log of a data set.
+// Errors found by inspection in the IMU log of a data set.
 #pragma once
 
 #include "schuler/core/samples.h"
@@ -9,11 +9,11 @@
 
 namespace schuler::dataset {
 
-/// Throws Error(Input) with what inspection finds wrong with the IMU log, where it finds something and the description does not
-/// scale its columns already.
+/// Throws Error(Input) with the errors found by inspection in the IMU log, if there are any and the description does not already
+/// scale its columns.
 void diagnose_imu_log(const std::filesystem::path& folder, const Description& description);
 
-/// The accelerometers must show gravity: a wrong unit is reported before a filter uses it. @throws Error(Input)
+/// The accelerometers must measure gravity: a wrong unit is reported before a filter uses it. @throws Error(Input)
 void check_gravity_shows(const std::vector<ImuSample>& imu, ImuKind kind, const std::filesystem::path& folder,
                          const Description& description);
 

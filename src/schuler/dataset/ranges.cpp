@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Fills in where the transmitters were, from a list of stations and from ephemerides.
+/// Fills in the positions of the transmitters, from a list of stations and from ephemerides.
 void place_transmitters(RangingLog& log, const std::vector<io::StationRow>& stations, const gnss::SatelliteSource* orbits,
                         Duration to_gps, WarningLog& warnings) {
     std::size_t lost = 0;
@@ -63,7 +63,7 @@ void place_transmitters(RangingLog& log, const std::vector<io::StationRow>& stat
     log = std::move(out);
 }
 
-/// From a list, or from what the stations say of themselves in a receiver's log.
+/// From a list, or from the positions reported by the stations in a receiver's log.
 std::vector<io::StationRow> stations_from(const fs::path& folder, const Description& d, WarningLog& warnings) {
     if (d.station_coordinates.empty()) return {};
     const io::TextInput input(resolved(folder, d.station_coordinates, "stations.coordinates"));
@@ -145,8 +145,8 @@ RawRanges ranges_from_raw(const fs::path& folder, const Description& d, WarningL
 
 namespace {
 
-/// One sigma of the position's jump from one solution to the next, Earth-fixed covariance, m^2: every range's slow error stays what it was,
-/// but the position takes another part of it.
+/// One sigma of the position's jump between two solutions, Earth-fixed covariance, m^2: the slow error of every range is
+/// unchanged, but its contribution to the position changes.
 Eigen::Matrix3d jump_between(const gnss::SinglePointSolution& before, const gnss::SinglePointSolution& after) {
     Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
     const auto in = [](const gnss::SinglePointSolution& s, gnss::SatelliteId id) {
@@ -169,7 +169,7 @@ public:
         const Eigen::Vector3d sigma = (C_ne * covariance_e * C_ne.transpose()).diagonal().cwiseSqrt();
         for (std::size_t i = 0; i < 3; ++i) axes_[i].push_back(sigma(static_cast<Eigen::Index>(i)));
     }
-    /// Zero where there are none.
+    /// Zero if there are none.
     [[nodiscard]] Eigen::Vector3d median() const {
         if (axes_[0].empty()) return Eigen::Vector3d::Zero();
         return {math::median(axes_[0]), math::median(axes_[1]), math::median(axes_[2])};

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Replaces the velocity of a fix by one from phases, which is that of the middle between two epochs.
+/// Replaces the velocity of a fix by that from phases, which refers to the middle between two epochs.
 void use_phase_velocity(GnssFix& fix, const gnss::PhaseVelocity& v) {
     const Eigen::Matrix3d C_ne = earth::C_en(fix.position.lat, fix.position.lon).transpose();
     fix.velocity_n = C_ne * v.velocity;
@@ -82,7 +82,7 @@ RawLogs read_raw_logs(const fs::path& folder, const RawGnssConfig& raw, WarningL
     RawLogs out;
     for (const std::string& file : raw.navigation)
         out.navigation.add(io::read_raw_input(resolved(folder, file, "gnss.navigation"), {}, warnings).navigation);
-    // the ephemerides date RTCM streams that have none of their own
+    // the ephemerides date RTCM streams without a date
     const std::optional<Time> near =
         out.navigation.kepler.empty() ? std::nullopt : std::optional(out.navigation.kepler.front().toe);
     for (const std::string& file : raw.observations) {

@@ -1,4 +1,4 @@
-// Fixes from raw measurements: the files a data set names, solved epoch by epoch.
+// Fixes from raw measurements: the files named by a data set, solved epoch by epoch.
 #pragma once
 
 #include "schuler/core/error.h"
@@ -15,7 +15,7 @@
 
 namespace schuler::dataset {
 
-/// The receiver's logs, one a file, and everything that tells of satellites.
+/// The receiver's logs, one per file, and all satellite data.
 struct RawLogs {
     gnss::Navigation navigation;
     std::vector<gnss::ObservationLog> logs;
@@ -23,19 +23,19 @@ struct RawLogs {
 /// @throws Error(Input): a file that cannot be read, no ephemerides.
 [[nodiscard]] RawLogs read_raw_logs(const std::filesystem::path& folder, const RawGnssConfig& raw, WarningLog& warnings);
 
-/// Satellites of the settings: precise orbits where a file is named, else the broadcast ones.
+/// Satellite source from the settings: precise orbits if a file is named, else the broadcast ones.
 [[nodiscard]] std::unique_ptr<gnss::SatelliteSource> satellites(const std::filesystem::path& folder, const RawGnssConfig& raw,
                                                                 const gnss::Navigation& navigation, WarningLog& warnings);
 
-/// Single-point fixes in GPS time since 1980 from the files of config.raw, whose relative paths start at `folder`. Epochs without
+/// Single-point fixes in GPS time since 1980 from the files of config.raw, with relative paths based on `folder`. Epochs without
 /// a solution are counted in the log by their reason. @throws Error(Input): a file that cannot be read, no fix at all.
 [[nodiscard]] std::vector<GnssFix> fixes_from_raw(const std::filesystem::path& folder, const RawGnssConfig& raw,
                                                   WarningLog& warnings);
 
-/// Warns of satellites some of whose ephemerides a source does not use: they contradict each other.
+/// Warns of satellites with ephemerides that a source does not use because they contradict each other.
 void warn_of_contradictions(const gnss::Navigation& all, const gnss::Navigation& used, WarningLog& warnings);
 
-/// Warns where broadcast coefficients are needed and there are none.
+/// Warns if broadcast coefficients are required but missing.
 void warn_of_missing_ionosphere(const gnss::BroadcastIonosphere& ionosphere, const RawGnssConfig& raw, WarningLog& warnings);
 
 /// A solved epoch as a fix.

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What a RINEX header says of its receiver: MARKER TYPE of version 3, without which receivers at a fixed place are not told apart.
+/// Receiver type in a RINEX header: MARKER TYPE of version 3, without which static receivers cannot be distinguished.
 std::string marker_type(const fs::path& file) {
     try {
         io::LineBlocks blocks{io::TextInput(file)};
@@ -30,7 +30,7 @@ std::string marker_type(const fs::path& file) {
             text.remove_prefix(std::min(end + 1, text.size()));
         }
     } catch (const std::exception&) {
-        // what cannot be read says nothing; its reader will say why
+        // an unreadable file gives no information; its reader will report the error
     }
     return {};
 }
@@ -44,7 +44,7 @@ int points_by_name(const fs::path& file) {
     return points;
 }
 
-/// How likely a file is of the receiver to be located rather than of a station: above zero for a rover.
+/// Evidence that a file is from the receiver to be located rather than a station: positive for a rover.
 int rover_points(const fs::path& file) {
     const std::string type = marker_type(file);
     const auto is = [&](std::initializer_list<std::string_view> types) { return std::ranges::find(types, type) != types.end(); };
@@ -61,7 +61,7 @@ RawObservations raw_observations(const fs::path& path, bool alone) {
     std::error_code ec;
     const bool folder = fs::is_directory(path, ec);
     const fs::path beside = folder ? path : path.parent_path().empty() ? fs::path(".") : path.parent_path();
-    std::vector<std::string> observations, navigation, logs;  // logs of receivers have both
+    std::vector<std::string> observations, navigation, logs;  // receiver logs contain both
     for (const auto& entry : fs::directory_iterator(beside, ec)) {
         if (!entry.is_regular_file(ec)) continue;
         const io::RawFormat format = io::raw_format(entry.path());
@@ -104,7 +104,7 @@ RawObservations raw_observations(const fs::path& path, bool alone) {
         fact("filter.scheme", std::string("gnss"));
         out.dataset_toml += "[filter]\nscheme = \"gnss\"\n";
     }
-    if (observations.size() > 1)  // which of them stood still at a known place only the user knows
+    if (observations.size() > 1)  // only the user knows which of them were static at a known point
         out.dataset_toml += fmt::format(
             "# Positions from carrier phases, if this is a base station's log of the same hours:\n# [base]\n# observations = {}\n",
             toml_text(observations.back()));

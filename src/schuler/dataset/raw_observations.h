@@ -1,4 +1,4 @@
-// Which files of a folder hold raw satellite measurements, and which of several receivers is the one to be located.
+// The files of a folder with raw satellite measurements, and selection of the receiver to be located.
 #pragma once
 
 #include "schuler/core/fact.h"
@@ -10,13 +10,13 @@
 namespace schuler::dataset {
 
 struct RawObservations {
-    std::vector<Fact> facts;   ///< gnss.observations, gnss.navigation, filter.scheme where alone; empty where there are none
+    std::vector<Fact> facts;   ///< gnss.observations, gnss.navigation, and filter.scheme if alone; empty if there are none
     std::string dataset_toml;  ///< the same as text, with the other files in comments
 };
 
-/// Of a folder, or of one file with the navigation files beside it; nothing where nothing has ephemerides. RINEX comes before logs of
-/// receivers (UBX, RTCM 3), which may need no navigation files; of several RINEX files a rover comes before a base station: by their
-/// headers, by their names, else the first by name. `alone`: no IMU is beside them, positions of single epochs are all that can be had.
+/// For a folder, or one file with the navigation files beside it; empty if there are no ephemerides. RINEX takes precedence over
+/// receiver logs (UBX, RTCM 3), which may need no navigation files; of several RINEX files a rover over a base station: by their
+/// headers, by their names, else the first by name. `alone`: no IMU is present, only single-epoch positions are possible.
 [[nodiscard]] RawObservations raw_observations(const std::filesystem::path& path, bool alone = true);
 
 }  // namespace schuler::dataset

@@ -94,7 +94,7 @@ void read_gnss(const fs::path& folder, const Description& d, const Reading& read
         return;
     }
     io::GnssTable table = io::read_gnss_csv(input, csv_options(d.gnss, d, reading), warnings);
-    // a stream whose log is dated, beside logs that need not be
+    // a stream from a dated log, beside logs that may be undated
     const bool dated = input.in_memory() && table.plan.find("time_s")->file_name == io::time_name(io::Clock::Gps);
     out.recording.gnss = dated ? on_own_axis(std::move(table.fixes), d.time, out.recording, {}) : std::move(table.fixes);
     out.fix_height = table.height;

@@ -1,4 +1,4 @@
-// The files of a data set, but those of ranges, read into a recording.
+// The files of a data set, except those of ranges, read into a recording.
 #pragma once
 
 #include "schuler/core/log.h"
@@ -16,28 +16,28 @@
 
 namespace schuler::dataset {
 
-/// What reading asks for beside the description.
+/// Reading options in addition to the description.
 struct Reading {
-    bool imu = true;                                     ///< false: it may do without an IMU log
-    Eigen::Matrix3d C_bs = Eigen::Matrix3d::Identity();  ///< sensor axes of the IMU to body axes, mounting included
-    std::optional<Eigen::Matrix3d> C_imu_mag;            ///< axes of the magnetometer to those of the IMU, where they differ
-    std::string gauges, log, compass;                    ///< files of instruments of a survey; empty: none
+    bool imu = true;                                     ///< false: an IMU log is not required
+    Eigen::Matrix3d C_bs = Eigen::Matrix3d::Identity();  ///< sensor axes of the IMU to body axes, including the mounting
+    std::optional<Eigen::Matrix3d> C_imu_mag;            ///< axes of the magnetometer to those of the IMU, if different
+    std::string gauges, log, compass;                    ///< files of survey instruments; empty: none
 };
 
-/// What the files hold, and what they state of it.
+/// The content of the files and the facts stated in them.
 struct ReadFiles {
     Recording recording;
-    CarrierPhase carrier;             ///< whose fixes are those of the recording, where there is a base
-    std::optional<ImuKind> imu_kind;  ///< nothing without an IMU log
+    CarrierPhase carrier;             ///< its fixes are those of the recording, if there is a base
+    std::optional<ImuKind> imu_kind;  ///< empty without an IMU log
     io::HeightKind fix_height = io::HeightKind::Unstated;
 };
 
-/// Relative paths start at `folder`. Times are those of the files, moved by their offsets; dated fixes are put on the axis of the other logs.
-/// @throws Error(Input) with file, line, column or key.
+/// Relative paths are based on `folder`. Times are those of the files, shifted by their offsets; dated fixes are converted to the
+/// axis of the other logs. @throws Error(Input) with file, line, column or key.
 [[nodiscard]] ReadFiles read_files(const std::filesystem::path& folder, const Description& description, const Reading& reading,
                                    WarningLog& warnings);
 
-/// Pressures as heights of the standard atmosphere, where the log has no heights.
+/// Converts pressures to heights of the standard atmosphere, if the log has no heights.
 void settle_pressures(std::vector<BaroSample>& samples, double sea_level_pressure);
 
 }  // namespace schuler::dataset

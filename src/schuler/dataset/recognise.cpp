@@ -15,12 +15,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// No log of this kind was recognised: the most telling thing known about a file that might have been one.
+/// No log of this kind was recognised: reports the most informative finding about a candidate file.
 [[noreturn]] void throw_missing(const fs::path& path, const inspect::InspectReport& report, std::string_view kind) {
     std::error_code ec;
     const fs::path folder = fs::is_directory(path, ec) ? path : path.parent_path();
     for (const inspect::FileReport& file : report.files) {
-        const bool unread = file.rows == 0 && file.contents.empty();  // of a format that is known, and damaged
+        const bool unread = file.rows == 0 && file.contents.empty();  // of a known format, but damaged
         if (file.chosen || (file.kind != "unknown" && file.kind != kind && !unread)) continue;
         for (const inspect::Problem& problem : file.problems) {
             if (problem.level == inspect::Level::Info) continue;
@@ -42,12 +42,12 @@ namespace fs = std::filesystem;
                           : "give the folder that holds both logs, or a dataset.toml with [initial] to navigate without GNSS");
 }
 
-/// Whether a log was found for it: "imu.file" or "gnss.file" of the settings that were inferred.
+/// True if the log was found: "imu.file" or "gnss.file" of the inferred settings.
 bool recognised(const inspect::InspectReport& report, std::string_view key) {
     return std::ranges::find(report.facts, key, &Fact::key) != report.facts.end();
 }
 
-/// A table of fixes that cannot be used, and why is known.
+/// A table of fixes that cannot be used, for a known reason.
 bool is_broken_gnss(const inspect::FileReport& file) {
     return !file.chosen && (file.kind == "gnss" || file.resembles == "gnss") &&
            std::ranges::any_of(file.problems, [](const inspect::Problem& p) { return p.level != inspect::Level::Info; });
@@ -70,7 +70,7 @@ std::vector<std::string> doubts_of(const inspect::InspectReport& report) {
 void add_raw_observations(const fs::path& path, const inspect::Given& given, inspect::InspectReport& report) {
     const bool imu = recognised(report, "imu.file");
     if (recognised(report, "gnss.file") || (!imu && !report.dataset_toml.empty())) return;
-    if (std::ranges::any_of(report.files, is_broken_gnss)) return;  // its owner means that one
+    if (std::ranges::any_of(report.files, is_broken_gnss)) return;  // this file was intended
     RawObservations raw = raw_observations(path, !imu);
     report.facts.insert(report.facts.end(), std::make_move_iterator(raw.facts.begin()), std::make_move_iterator(raw.facts.end()));
     if (!raw.facts.empty() && imu && !(given.has("imu.axes") && given.has("vehicle.kind")))
@@ -83,7 +83,7 @@ void add_raw_observations(const fs::path& path, const inspect::Given& given, ins
 
 Recognised recognise(const fs::path& path, Needs needs, const inspect::Given& given) {
     Recognised r;
-    if (needs == Needs::Satellites) {  // nothing else is asked for
+    if (needs == Needs::Satellites) {  // no other data are required
         if (!given.find_logs) return r;
         RawObservations raw = raw_observations(path);
         if (raw.facts.empty())
@@ -111,7 +111,7 @@ Recognised recognise(const fs::path& path, Needs needs, const inspect::Given& gi
     if (r.report.dataset_toml.empty()) {
         std::string why = "no IMU log was recognised in it";
         std::string hint = "`schuler inspect` lists what was found; write a dataset.toml";
-        if (r.report.files.size() == 1) {  // what is wrong with it says more
+        if (r.report.files.size() == 1) {  // its own error is more informative
             const inspect::FileReport& only = r.report.files.front();
             const auto error = std::ranges::find(only.problems, inspect::Level::Error, &inspect::Problem::level);
             std::error_code ec;

@@ -1,4 +1,4 @@
-// What the files of a data set state and show by themselves, beside what is given.
+// Facts stated in the files of a data set or found from them, in addition to given settings.
 #pragma once
 
 #include "schuler/core/fact.h"
@@ -10,24 +10,24 @@
 
 namespace schuler::dataset {
 
-/// What a command cannot do without. Attitude: an IMU log, and a magnetometer is used whatever disturbs it. ImuAndStart: an IMU log, the start is
-/// given; fixes or raw measurements are used where there are some. Satellites: raw measurements of a receiver.
+/// Data required by a command. Attitude: an IMU log; a magnetometer is used even if disturbed. ImuAndStart: an IMU log, the start
+/// is given; fixes or raw measurements are used if present. Satellites: raw measurements of a receiver.
 enum class Needs { Imu, Attitude, ImuAndStart, ImuAndGnss, Satellites };
 
-/// A folder or file whose content was looked at.
+/// A folder or file whose content was examined.
 struct Recognised {
     inspect::InspectReport report;
-    std::vector<Fact> facts;          ///< the settings that are not given, as the files state or show them
-    std::vector<std::string> doubts;  ///< what is wrong with the files that were recognised, and how it was taken
-    std::string dataset_toml;         ///< the dataset.toml that states the facts; for logs that were looked for
+    std::vector<Fact> facts;          ///< settings that are not given, as stated or shown by the files
+    std::vector<std::string> doubts;  ///< problems of the recognised files, and how they were interpreted
+    std::string dataset_toml;         ///< the dataset.toml that states the facts, for logs that were searched for
 };
 
-/// Raw measurements of satellites, where they are the only ones in the folder (or the file): beside an IMU's log, or alone.
+/// Raw satellite measurements, if they are the only ones in the folder (or the file): with an IMU log, or alone.
 void add_raw_observations(const std::filesystem::path& path, const inspect::Given& given, inspect::InspectReport& report);
 
-/// Looks at the files of a data set about which something or nothing is given. Where no log is named, the IMU and GNSS logs are looked
-/// for; where only one of satellites is, the IMU's. @throws Error(Input) where what `needs` asks for is then not there, with the most telling thing known about a file that might
-/// have been it. What is named and is not there is left to who loads it.
+/// Examines the files of a data set that is partly or not at all described. If no log is named, IMU and GNSS logs are searched
+/// for; if only satellite data are named, an IMU log. @throws Error(Input) if the data required by `needs` are then missing, with
+/// the most informative finding about a candidate file. Named but missing files are reported when loaded.
 [[nodiscard]] Recognised recognise(const std::filesystem::path& path, Needs needs, const inspect::Given& given);
 
 }  // namespace schuler::dataset

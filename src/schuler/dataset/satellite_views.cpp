@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Which epochs are looked at.
+/// Selection of the epochs.
 class Chosen {
 public:
     Chosen(const ViewSpan& span, Time first) {
@@ -55,7 +55,7 @@ void look_at_raw(const fs::path& folder, const Description& d, const ViewSpan& s
 void look_at_table(const fs::path& folder, const Description& d, const ViewSpan& span, double missed_detection,
                    SatelliteViews& out, WarningLog& warnings) {
     const RangingLog log = ranges_from_csv(folder, d, warnings);
-    gnss::Navigation navigation;  // for the ionosphere; the table says where the satellites were
+    gnss::Navigation navigation;  // for the ionosphere; the table contains the satellite positions
     for (const std::string& file : d.raw.navigation) {
         RawGnssConfig one;
         one.navigation = {file};

@@ -1,4 +1,4 @@
-// A receiver's satellites epoch by epoch: single-point solutions with what became of every satellite, and carrier phases against a base.
+// A receiver's satellites by epoch: single-point solutions with the status of every satellite, and carrier phases relative to a base.
 #pragma once
 
 #include "schuler/core/log.h"
@@ -14,12 +14,12 @@
 namespace schuler::dataset {
 
 struct ViewSpan {
-    std::optional<double> start, stop;  ///< s after the first epoch; nothing: all of it
+    std::optional<double> start, stop;  ///< s after the first epoch; empty: no limit
 };
 
 struct SatelliteViews {
-    std::vector<gnss::EpochView> epochs;  ///< in order of time
-    std::optional<CarrierPhase> carrier;  ///< where there is a base, with EpochSolution::signals
+    std::vector<gnss::EpochView> epochs;  ///< in time order
+    std::optional<CarrierPhase> carrier;  ///< if there is a base, with EpochSolution::signals
 };
 
 /// From the raw measurements of the description, or from its table of ranges. `progress` may be empty.

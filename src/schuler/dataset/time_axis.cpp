@@ -31,7 +31,7 @@ Duration axis_zero(const TimeConfig& time, Time first_fix, const OwnAxis& axis) 
         std::sscanf(time.date.c_str(), "%d-%d-%d", &c.year, &c.month, &c.day);
         return gps_from_calendar(c) - Time{} + leap;
     }
-    // whole weeks lie between, or whole days where the log cannot be seconds of a week
+    // the difference is whole weeks, or whole days if the log cannot be seconds of a week
     const double unit = time.scale == TimeScale::Utc && last < day + 3600.0 ? day : week;
     return Duration::from_seconds(std::floor(first_fix.seconds() / unit) * unit) + leap;
 }

@@ -51,7 +51,7 @@ bool has_sigmas(const io::TextInput& input) {
     return std::ranges::find(layout.names, "std_n_m") != layout.names.end();
 }
 
-/// The stream of a log that is a trajectory: the one named, a solution or a reference with positions, else the fixes.
+/// The stream of a log that is a trajectory: the named one, a solution or a reference with positions, else the fixes.
 const io::Stream& trajectory_of(const io::StreamLog& log, const io::StreamPath& where) {
     const auto fits = [&](const io::Stream& s) {
         if (!where.stream.empty()) return s.name == where.stream;
@@ -85,7 +85,7 @@ std::vector<SolutionRow> read_stream_rows(const io::StreamPath& where, const io:
 std::vector<SolutionRow> read_rows(const fs::path& file, WarningLog& warnings) {
     const io::StreamPath where = io::stream_path(file);
     const io::Format* format = io::format_of(where.file);
-    const bool has_reader = format != nullptr && (format->name == "rtklib_pos" || format->name == "nmea");  // of its own, below
+    const bool has_reader = format != nullptr && (format->name == "rtklib_pos" || format->name == "nmea");  // read directly below
     if (format != nullptr && format->read != nullptr && !has_reader) return read_stream_rows(where, *format, warnings);
     const io::TextInput input(file);
     if (io::is_rtklib_pos(input)) return rows_of(io::read_rtklib_pos(input, warnings).fixes);

@@ -1,4 +1,4 @@
-// A trajectory from any file that can be read as one.
+// Reading a trajectory from any suitable file.
 #pragma once
 
 #include "schuler/core/log.h"
@@ -11,17 +11,17 @@
 
 namespace schuler::dataset {
 
-/// Truth or another program's solution: CSV with names, solution.csv, or a table of ten columns without them (time, latitude,
+/// Truth or another program's solution: CSV with header, solution.csv, or a table of ten columns without them (time, latitude,
 /// longitude, height, velocity NED, roll, pitch, heading in degrees). @throws Error(Input).
 [[nodiscard]] std::vector<ReferenceSample> read_reference(const io::TextInput& file, io::CsvOptions options,
                                                           WarningLog& warnings);
 
-/// A table with that many numbers in each row, without names, that the options do not explain column by column.
+/// A table of this many numbers per row, without column names, for which the options do not define every column.
 [[nodiscard]] bool is_bare_table(const io::TextInput& input, const io::CsvOptions& options, int columns);
 
-/// solution.csv, a reference, a folder with solution.csv, a trajectory of any format that is read (a stream of it: FILE#STREAM), or ten columns without names (time,
-/// latitude, longitude, height, velocity NED, roll, pitch, heading). Absent components are NaN; at least one row.
-/// @throws Error(Input) with file, line, column and hint.
+/// solution.csv, a reference, a folder with solution.csv, a trajectory of any readable format (a stream of it: FILE#STREAM), or
+/// ten columns without names (time, latitude, longitude, height, velocity NED, roll, pitch, heading). Absent components are NaN;
+/// at least one row. @throws Error(Input) with file, line, column and hint.
 [[nodiscard]] std::vector<SolutionRow> read_trajectory(const std::filesystem::path& file, WarningLog& warnings);
 
 }  // namespace schuler::dataset

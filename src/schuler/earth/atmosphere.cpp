@@ -76,7 +76,7 @@ double static_pressure(double geopotential_height, double sea_level_pressure, do
         fail(input_error(
             fmt::format("no air has {} Pa at sea level and {} K more than the standard", sea_level_pressure, temperature_offset),
             {}, "give pascals (about 101325) and a few tens of kelvin"));
-    (void)standard_air(geopotential_height);  // refuses heights outside
+    (void)standard_air(geopotential_height);  // throws for heights outside
     Layer layer = layers().front();
     layer.temperature += temperature_offset;
     layer.pressure = sea_level_pressure;

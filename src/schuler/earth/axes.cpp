@@ -6,7 +6,7 @@
 namespace schuler::earth {
 namespace {
 
-// Half turns and third turns: exact as matrices, and their quaternions have halves or square roots of halves.
+// Rotations by half and third turns: exact as matrices, with quaternion elements of one half or square roots of one half.
 Eigen::Quaterniond quaternion_of(const Eigen::Matrix3d& C) { return Eigen::Quaterniond(C); }
 
 double clamped_asin(double x) { return std::asin(std::clamp(x, -1.0, 1.0)); }

@@ -97,7 +97,7 @@ Earth earth_from_names(std::string_view ellipsoid, std::string_view gravity) {
     return {ellipsoid_from_name(ellipsoid), gravity_model_from_name(gravity)};
 }
 
-// The differences are small beside the position: adding them last keeps the rounding at an ulp of the position.
+// The differences are small relative to the position: adding them last keeps the rounding at an ulp of the position.
 Ecef transformed(const Helmert& p, const Ecef& source) {
     const Eigen::Vector3d turned = (1.0 + p.scale) * source.r.cross(p.rotation);
     return {source.r + (p.scale * source.r + turned + p.translation)};

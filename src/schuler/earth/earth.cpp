@@ -41,7 +41,7 @@ Eigen::Vector3d gravity_ecef(const Earth& earth, const Ecef& position) {
 
 namespace {
 
-/// Within 64 km of a pole angles of longitude are no measure of distance: there the horizontal part is that of the chord.
+/// Within 64 km of a pole longitude differences are not a measure of distance: the horizontal part is then that of the chord.
 constexpr double polar_cos_lat = 0.01;
 
 Eigen::Vector3d polar_difference(const Earth& earth, const Geodetic& to, const Geodetic& from) {
@@ -54,7 +54,7 @@ Geodetic moved_near_pole(const Earth& earth, const Geodetic& from, const Eigen::
     const Eigen::Matrix3d axes = C_en(from.lat, from.lon);
     Ecef at{ecef_from_geodetic(earth.ellipsoid, from).r};
     Geodetic to = from;
-    // The chord sinks below the horizon by a part in 1e4 of its length at most: each step gains four digits.
+    // The chord drops below the horizon by at most 1e-4 of its length: each step gains four digits.
     for (int step = 0; step < 4; ++step) {
         to.h = from.h - ned.z();
         Eigen::Vector3d missing = ned - polar_difference(earth, to, from);

@@ -24,7 +24,7 @@ constexpr Somigliana somigliana_wgs84{6378137.0, 1.0 / 298.257223563, 9.78032533
 // H. Moritz, "Geodetic Reference System 1980", Bulletin Geodesique 54, 1980.
 constexpr Somigliana somigliana_grs80{6378137.0, 1.0 / 298.257222101, 9.7803267715, 0.001931851353, 0.00344978600308};
 
-/// Surface gravity, its derivative by latitude, and the free-air polynomial 1 - c1 h + c2 h^2.
+/// Surface gravity, its derivative with respect to latitude, and the free-air polynomial 1 - c1 h + c2 h^2.
 struct SomiglianaTerms {
     double g0, g0_by_lat, c1, c1_by_lat, c2, meridian;
 };

@@ -1,4 +1,4 @@
-// The Earth's magnetic field from spherical harmonics: declination and field for a place and date.
+// The Earth's magnetic field from spherical harmonics: declination and field as functions of position and date.
 #pragma once
 
 #include "schuler/core/position.h"
@@ -10,19 +10,19 @@
 
 namespace schuler::earth {
 
-/// Field at a place, north-east-down, T.
+/// Field at a position, north-east-down, T.
 struct MagneticField {
     Eigen::Vector3d field_n;
 
     [[nodiscard]] double horizontal() const;   ///< T
-    [[nodiscard]] double declination() const;  ///< rad, east of true north positive
-    [[nodiscard]] double inclination() const;  ///< rad, down positive
+    [[nodiscard]] double declination() const;  ///< rad, positive east of true north
+    [[nodiscard]] double inclination() const;  ///< rad, positive down
 };
 
 /// A model in GeographicLib's format [ChulliatWmm2025].
 class MagneticModel {
 public:
-    /// Reads FOLDER/NAME.wmm and NAME.wmm.cof. @throws Error(Input) where they are missing or damaged.
+    /// Reads FOLDER/NAME.wmm and NAME.wmm.cof. @throws Error(Input) if they are missing or damaged.
     MagneticModel(const std::string& name, const std::string& folder);
     ~MagneticModel();
     MagneticModel(MagneticModel&&) noexcept;

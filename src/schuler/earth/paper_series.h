@@ -1,9 +1,9 @@
-// Paper A's series in flattening and height: curvatures 1/(R + H) and normal gravity, with its misprints corrected.
+// Paper A's series in flattening and height: curvatures 1/(R + H) and normal gravity, with misprints corrected.
 #pragma once
 
 namespace schuler::earth {
 
-/// a/(R + H) of both principal curvatures: dimensionless.
+/// a/(R + H) for both principal radii of curvature, dimensionless.
 struct CurvatureSeries {
     double meridian;
     double prime_vertical;
@@ -28,12 +28,12 @@ struct PaperAGravity {
     double g_e = 9.78049;  ///< m/s^2 at the equator
     double a = 6378388.0;  ///< m
     double e2 = 6.73e-3;
-    double q = 0.00346775;  ///< centrifugal to gravity at the equator
+    double q = 0.00346775;  ///< ratio of centrifugal acceleration to gravity at the equator
 };
 /// The same with the e^2 of its ellipsoid, International 1924: within 1.45e-6 m/s^2 of the 1930 normal gravity at h = 0.
 inline constexpr PaperAGravity paper_a_gravity_international{9.78049, 6378388.0, 0.00672267, 0.00346775};
 
-/// Down component (m/s^2) of a series and its derivatives by s2 = sin^2 lat (m/s^2) and by height (1/s^2).
+/// Down component (m/s^2) of a series and its derivatives with respect to s2 = sin^2 lat (m/s^2) and height (1/s^2).
 struct SeriesGravity {
     double down;
     double by_s2;
@@ -47,13 +47,13 @@ struct SeriesGravity {
     const double by_s = 0.5 * (5.0 * p.q - p.e2) - p.e2 * p.e2 / 8.0 - 17.0 / 28.0 * p.q * p.e2;
     const double by_sy = 3.0 * p.e2 - 5.0 * p.q;
     const double by_S2 = p.e2 * (0.5 * p.e2 - 5.0 * p.q) / 16.0;
-    const double S2 = 4.0 * s2 * (1.0 - s2);  // sin^2 of the double latitude
+    const double S2 = 4.0 * s2 * (1.0 - s2);  // sin^2 of twice the latitude
     const double linear = 2.0 + p.e2 + 2.0 * p.q;
     return {p.g_e * (1.0 - linear * y + 3.0 * y * y + (by_s + by_sy * y) * s2 + by_S2 * S2),
             p.g_e * (by_s + by_sy * y + by_S2 * (4.0 - 8.0 * s2)), p.g_e / p.a * (-linear + 6.0 * y + by_sy * s2)};
 }
 
-/// Series L3 with e^2 for the printed e (math.md 2.7, E2.27), down, m/s^2: within 2.1e-4 there.
+/// Series L3 with e^2 in place of the printed e (math.md 2.7, E2.27), down, m/s^2: within 2.1e-4 in the same range.
 [[nodiscard]] inline double paper_a_gravity_l3(const PaperAGravity& p, double s2, double h) {
     return p.g_e * (1.0 + 5.2884e-3 * s2) * (1.0 - 2.0 * h / p.a * (1.0 - p.e2 * s2));
 }

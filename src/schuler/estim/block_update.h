@@ -1,4 +1,4 @@
-// Measurement update with many rows at once whose noises are correlated, and tests of what in them does not fit.
+// Measurement update with many rows of mutually correlated noise, and tests for rows that do not fit.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -11,15 +11,15 @@ class BlockUpdate {
 public:
     BlockUpdate(const Eigen::MatrixXd& P, const Eigen::MatrixXd& H, const Eigen::VectorXd& z, const Eigen::MatrixXd& R);
 
-    /// False where the innovation covariance is not positive definite: nothing else may be asked then.
+    /// False if the innovation covariance is not positive definite: no other member may be called then.
     [[nodiscard]] bool valid() const { return valid_; }
-    /// z' S^-1 z, chi-square with as many degrees of freedom as rows.
+    /// z' S^-1 z, chi-square with one degree of freedom per row.
     [[nodiscard]] double statistic() const { return whitened_.squaredNorm(); }
-    /// Size in sigmas of a bias of the direction c in the innovation, standard normal without one [Baarda1968].
+    /// Estimated bias in direction c of the innovation, in sigmas; standard normal if there is no bias [Baarda1968].
     [[nodiscard]] double standardised(const Eigen::VectorXd& c) const;
-    /// The error that the measurements tell.
+    /// The error estimated from the measurements.
     [[nodiscard]] Eigen::VectorXd error() const { return gain_root_.transpose() * whitened_; }
-    /// The covariance afterwards, symmetric.
+    /// Updates the covariance, which stays symmetric.
     void apply(Eigen::MatrixXd& P) const;
 
 private:

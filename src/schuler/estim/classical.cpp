@@ -18,7 +18,7 @@ void whiten(Eigen::MatrixXd& A, Eigen::VectorXd& y, const Eigen::MatrixXd& R) {
     y = factor.matrixL().solve(y);
 }
 
-/// x with the smallest |A x - y| and (A^T A)^-1, by orthogonal factors: no normal equations, which would square the condition.
+/// x with the smallest |A x - y| and (A^T A)^-1, by orthogonal factorisation: normal equations would square the condition number.
 Estimate solved(const Eigen::MatrixXd& A, const Eigen::VectorXd& y) {
     const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(A);
     if (A.rows() != y.size() || qr.rank() < A.cols())

@@ -4,7 +4,7 @@ namespace schuler::estim {
 
 namespace {
 
-/// dx and P after the update u, whose gain and innovation variance are known; ph = P h.
+/// dx and P after the update u with given gain and innovation variance; ph = P h.
 template <int N>
 void apply(Eigen::Matrix<double, N, 1>& dx, Eigen::Matrix<double, N, N>& P, ScalarUpdate<N>& u, double innovation,
            const Eigen::Matrix<double, N, 1>& ph) {

@@ -57,7 +57,7 @@ double corner(const double* T, const Transition& phi, int r, int c) {
     return sum(s);
 }
 
-/// Rows and columns of a symmetric matrix by a shear: M <- S M S^T.
+/// Transformation of a symmetric matrix by a shear: M <- S M S^T.
 void shear(StateMatrix& M, const Transition::Shear& s, int used) {
     M.row(s.to).head(used) += s.factor * M.row(s.from).head(used);
     M.col(s.to).head(used) += s.factor * M.col(s.from).head(used);
@@ -171,7 +171,7 @@ StateVector row_after(const Transition& phi, const StateVector& h) {
         const Transition::Shear& shear = phi.shears[static_cast<std::size_t>(i)];
         r(shear.from) -= shear.factor * r(shear.to);
     }
-    // column r of rows.topRows<coupled>() is row r of A's square part: its transpose, as it is needed here
+    // column r of rows.topRows<coupled>() is row r of A's square part: its transpose, as required here
     const Eigen::Matrix<double, coupled, 1> y = phi.rows.topRows<coupled>().partialPivLu().solve(r.head<coupled>());
     r.head<coupled>() = y;
     const Eigen::Index driven = std::min<Eigen::Index>(phi.driven, r.size());

@@ -15,7 +15,7 @@ using detail::load;
 using detail::store;
 using detail::Vec4;
 
-/// The entries of a row that are not zero.
+/// The non-zero entries of a row.
 struct Entries {
     std::array<int, Row::dense + Row::most> state;
     std::array<double, Row::dense + Row::most> value;
@@ -51,8 +51,8 @@ void combine(const Entries& h, const double* M, long stride, int size, double* y
     for (; v < size; v += 4) combine_columns<1>(h, M + v, stride, y + v);
 }
 
-/// Four columns of Y, `Vectors` vectors of rows: Y - X F^T with `count` columns of X and F, all sums in registers; `finish(row, columns)`
-/// may change what is stored.
+/// Four columns of Y, `Vectors` vectors of rows: Y - X F^T with `count` columns of X and F, all sums in registers; `finish(row,
+/// columns)` may modify the stored values.
 template <int Vectors, class Finish>
 void subtract_product(double* y, long y_stride, const double* x, const double* f, long stride, int count, int row,
                       Finish& finish) {
@@ -86,11 +86,11 @@ void subtract_products(double* y, long y_stride, const double* x, const double* 
     if (r < size) subtract_product<1>(y, y_stride, x, f, stride, count, r, finish);
 }
 
-/// Four scalars of an epoch: the inverse of the diagonal of L, what is below it, and their whitened innovations.
+/// Four scalars of an epoch: the inverse of the diagonal of L, the elements below it, and their whitened innovations.
 struct FourPivots {
     double inverse[4] = {}, l[4][4] = {}, y[4] = {};
 
-    /// Columns of P H^T, or of H P H^T, less what the scalars before have taken: those of G, or of L.
+    /// Columns of P H^T, or of H P H^T, minus the contributions of the preceding scalars: those of G, or of L.
     void divide(Vec4* x) const {
         x[0] *= broadcast(inverse[0]);
         x[1] = (x[1] - broadcast(l[1][0]) * x[0]) * broadcast(inverse[1]);
@@ -133,7 +133,7 @@ RowUpdate update(StateVector& dx, StateMatrix& P, const Row& h, double innovatio
     u.innovation = innovation - h.dot(dx);
     u.k = ph / u.s;
     dx += u.innovation * u.k;
-    // Scaled once, so that both triangles get the same products.
+    // Scaled once, so that both triangles contain identical products.
     const StateVector g = ph / std::sqrt(u.s);
     for (int c = 0; c < used; ++c) {
         const double gc = g(c);
@@ -178,7 +178,7 @@ StateVector EpochUpdate::solve() {
                 pivot -= f.l[k][j] * f.l[k][j];
                 z[c + k] -= f.l[k][j] * f.y[j];
             }
-            pivot += s[c + k];  // the noise at the last: it may be small beside the rest
+            pivot += s[c + k];  // the noise is added last: it may be small relative to the rest
             s[c + k] = pivot;
             f.inverse[k] = 1.0 / std::sqrt(pivot);
             f.y[k] = z[c + k] * f.inverse[k];
@@ -261,7 +261,7 @@ void clone(StateMatrix& P, const std::array<Row, 3>& rows, int first, int used) 
 }
 
 void StateAdjoint::undo_clone(const std::array<Row, 3>& rows, int first) {
-    // x after = M x before, M the identity but for the rows of the clones: M^T lambda, M^T Lambda M, one clone after the other
+    // x after = M x before, M the identity except for the rows of the clones: M^T lambda, M^T Lambda M, one clone after the other
     for (int k = 0; k < 3; ++k) {
         const StateVector row = rows[static_cast<std::size_t>(k)].whole(lambda.size());
         const double of_clone = lambda(first + k);

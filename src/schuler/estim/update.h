@@ -1,4 +1,4 @@
-// Sequential measurement update of a filter with states chosen at run time, one scalar at a time, and its adjoint for smoothing.
+// Sequential scalar measurement update of a filter with states chosen at run time, and its adjoint for smoothing.
 #pragma once
 
 #include "schuler/estim/state.h"
@@ -8,8 +8,8 @@
 
 namespace schuler::estim {
 
-/// A measurement row: innovation = h . error + noise. The first nine states, on which nearly every measurement depends, are dense, of
-/// the others only those that it names.
+/// A measurement row: innovation = h . error + noise. The first nine elements, used by nearly every measurement, are dense; of
+/// the others only the named ones are stored.
 struct Row {
     static constexpr int dense = 9;
     static constexpr int most = 36;
@@ -33,82 +33,82 @@ struct Row {
         for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) sum += value[k] * x(index[k]);
         return sum;
     }
-    /// P h for the leading `used` states, zero beyond them.
+    /// P h for the leading `used` states, zero for the others.
     [[nodiscard]] StateVector times(const StateMatrix& P, int used) const;
     [[nodiscard]] double operator()(int i) const;
-    /// All of it, for so many states.
+    /// The complete row for the given number of states.
     [[nodiscard]] StateVector whole(Eigen::Index size) const;
 };
 
-/// What one scalar update did: enough to undo it in the backward pass of the smoother.
+/// Record of one scalar update, sufficient to undo it in the backward pass of the smoother.
 struct RowUpdate {
     Row h;
     StateVector k;            ///< gain
-    double innovation = 0.0;  ///< less h . dx of the scalars before it in the same epoch
+    double innovation = 0.0;  ///< less h . dx of the preceding scalars of the same epoch
     double s = 1.0;           ///< innovation variance h P h^T + r
 };
 
 /// Updates the estimated error dx and the leading `used` states of P with `innovation` = h . error + noise of variance r (all in the
-/// measurement's unit), with the optimal gain: P - P h h^T P / s, Joseph's form expanded for that gain, which keeps P exactly symmetric.
+/// measurement's unit), with the optimal gain: P - P h h^T P / s, the Joseph form for that gain, which keeps P exactly symmetric.
 RowUpdate update(StateVector& dx, StateMatrix& P, const Row& h, double innovation, double r, int used);
 
-/// Many scalars of one epoch at once: what their updates one by one, in the order in which they were added, would find and do, by products
-/// of blocks. The same numbers but for rounding.
+/// Many scalars of one epoch processed together with block products: the result of their sequential updates in the order in which they
+/// were added, except for rounding.
 class EpochUpdate {
 public:
     static constexpr int most = 64;  ///< scalars
 
-    /// P is kept by reference and stays as it is until `apply`. It does not change between the first `add` and `apply`.
+    /// P is held by reference. It must not change between the first `add` and `apply`, which updates it.
     EpochUpdate(const StateMatrix& P, int used) : P_(P), used_(used) {}
-    /// As if no scalar had been added.
+    /// Discards the added scalars.
     void reset() { count_ = 0; }
-    /// One more scalar, as `update` has it.
+    /// Adds one scalar, with the arguments of `update`.
     void add(const Row& h, double innovation, double r);
-    /// Works all of them out, once; returns the error that they tell.
+    /// Solves for all of them, once; returns the estimated error.
     StateVector solve();
-    /// Of scalar k, after `solve`: what `update` would have returned for it.
+    /// For scalar k, after `solve`: the value that `update` would have returned.
     [[nodiscard]] double innovation(int k) const { return innovation_[static_cast<std::size_t>(k)]; }
     [[nodiscard]] double s(int k) const { return s_[static_cast<std::size_t>(k)]; }
     [[nodiscard]] RowUpdate result(const Row& h, int k) const;
-    /// P after all of them; P is the matrix of the constructor.
+    /// Updates P for all scalars; P is the matrix of the constructor.
     void apply(StateMatrix& P) const;
 
 private:
     static constexpr int rows = max_states + most,
-                         states_stride = most + 4;  // 4: columns of one state fall into different cache sets
+                         states_stride = most + 4;  // 4: places the columns of one state in different cache sets
 
     const StateMatrix& P_;
     int used_, count_ = 0;
     std::array<double, most> innovation_, s_;
-    /// P H^T and below it (from row `used` on) the lower triangle of H P H^T; `solve` makes them G and L, with L L^T = H P H^T + R and
-    /// G L^T = P H^T: the covariance is P - G G^T then. Column k of G is the gain of scalar k times the root of s.
+    /// P H^T and below it (from row `used` on) the lower triangle of H P H^T; `solve` replaces them by G and L, with
+    /// L L^T = H P H^T + R, G L^T = P H^T: the covariance is then P - G G^T. Column k of G is the gain of scalar k times sqrt(s).
     Eigen::Matrix<double, rows, most> G_;
     Eigen::Matrix<double, states_stride, max_states> by_state_;  // (P H^T)^T
 };
 
-/// Makes the states first, first + 1, first + 2 of P the combinations rows . x of the others, on which the rows must not depend.
+/// Sets states first to first + 2 of P to the combinations rows . x of the other states; rows must not depend on them.
 void clone(StateMatrix& P, const std::array<Row, 3>& rows, int first, int used);
 
-/// The leading `used` states of P after a correction with the gain k, whatever it is, by an innovation of variance s; ph is P h.
+/// The leading `used` states of P after a correction with an arbitrary gain k and an innovation of variance s; ph is P h.
 void correct_covariance(StateMatrix& P, const StateVector& k, const StateVector& ph, double s, int used);
 
-/// The same as `update` with a gain that somebody else chose, in Joseph's form (I - k h) P (I - k h)^T + k r k^T: exact for any gain.
+/// As `update` with a gain given by the caller, in Joseph form (I - k h) P (I - k h)^T + k r k^T: exact for any gain.
 RowUpdate update_with_gain(StateVector& dx, StateMatrix& P, const Row& h, double innovation, double r, const StateVector& k,
                            int used);
 
-/// Adjoint variables of the modified Bryson-Frazier smoother [Bierman1973]: the smoothed error at a time is -P lambda with
-/// covariance P - P Lambda P, P being the filter's covariance there. Equal to the Rauch-Tung-Striebel smoother, without
-/// inverting a covariance, so states without uncertainty are harmless.
+/// Adjoint variables of the modified Bryson-Frazier smoother [Bierman1973]: the smoothed error at an instant is -P lambda with
+/// covariance P - P Lambda P, where P is the filter's covariance. Equivalent to the Rauch-Tung-Striebel smoother without
+/// inversion of a covariance, so states without uncertainty are permitted.
 struct StateAdjoint {
     StateVector lambda;
     StateMatrix Lambda;
 
     explicit StateAdjoint(int size) : lambda(StateVector::Zero(size)), Lambda(StateMatrix::Zero(size, size)) {}
-    /// Steps backwards over a scalar update.
+    /// Backward step over a scalar update.
     void undo(const RowUpdate& u, int used);
-    /// Steps backwards over `clone`: what is known of the clones later is known of what they were made of.
+    /// Backward step over `clone`: later information about the clones becomes information about their source states.
     void undo_clone(const std::array<Row, 3>& rows, int first);
-    /// Steps backwards over the moment at which a state was given another meaning: what came before knows nothing of it.
+    /// Backward step over the reassignment of a state: earlier epochs are independent of its new meaning.
     void forget(int state);
 };
 

@@ -17,7 +17,7 @@ struct Refusal {
 
 bool is_sigma(const Eigen::Vector3d& sigma, double most) { return (sigma.array() >= 0.0).all() && (sigma.array() <= most).all(); }
 
-/// A start that no body has, or whose covariance would overflow.
+/// An impossible start, or one whose covariance would overflow.
 Refusal unusable(const Start& start) {
     using enum MakeStatus;
     const Geodetic& p = start.nav.position;
@@ -36,10 +36,10 @@ Refusal unusable(const Start& start) {
     return {};
 }
 
-/// Probabilities whose quantiles do not exist.
+/// Probabilities without quantiles.
 Refusal unusable_probability(const Settings& s) {
     using enum MakeStatus;
-    const auto is_usable = [](double p) { return 1.0 - p > 0.0 && 1.0 - p < 1.0; };  // neither is one nor rounds to none
+    const auto is_usable = [](double p) { return 1.0 - p > 0.0 && 1.0 - p < 1.0; };  // neither is one nor rounds to one
     if (!(s.aids.gate_probability == 0.0 || is_usable(s.aids.gate_probability)))
         return {BadSettings, "filter.gate_probability", "the probability is to be from 0 to below 1"};
     if (s.integrity.use && !is_usable(s.integrity.false_alarm))
@@ -50,7 +50,7 @@ Refusal unusable_probability(const Settings& s) {
     return {};
 }
 
-/// What a stream cannot be told.
+/// Settings not available for a stream.
 Refusal unusable(const NavigatorSettings& n) {
     using enum MakeStatus;
     const Settings& s = n.filter;

@@ -1,4 +1,4 @@
-// Settings of a navigator, and its states and answers.
+// Settings, states and results of a navigator.
 #pragma once
 
 #include "schuler/filter/result.h"
@@ -19,64 +19,64 @@ namespace schuler::filter {
 enum class Source : std::uint8_t { Imu, Gnss, Baro, Mag, Odometer, Heading, Gauges, Log, Ranges };
 inline constexpr std::size_t source_count = 9;
 
-/// Most samples a second that are fed of each instrument; room is made for so many. 0: there is no such instrument.
+/// Highest sample rate of each instrument, for which memory is allocated. 0: there is no such instrument.
 struct FeedRates {
     double gnss = 20.0, baro = 0.0, mag = 0.0, odometer = 0.0, heading = 0.0, gauges = 0.0, log = 0.0, ranges = 0.0;  ///< Hz
-    int gauge_count = 0;              ///< how many of GaugeSample::height there are, at most 3
-    std::size_t range_sources = 128;  ///< satellites and stations that a run meets
+    int gauge_count = 0;              ///< number of values in GaugeSample::height, at most 3
+    std::size_t range_sources = 128;  ///< largest number of satellites and stations in a run
 };
 
 struct NavigatorSettings {
-    /// The settings of a batch run; what a batch finds by looking at the whole log (noise, latencies, mounting) is what they say.
-    /// Outages and spans of time are a batch's.
+    /// The settings of a batch run; values that a batch estimates from the whole log (noise, latencies, mounting) are used as
+    /// given. Outages and time spans apply to a batch only.
     Settings filter;
-    double imu_interval = 0.01;  ///< s, nominal, from sample to sample of the IMU
+    double imu_interval = 0.01;  ///< s, nominal sample interval of the IMU
     FeedRates rates;
-    /// A sample may come so much later than the newest sample of the IMU, counted from the time at which it was true, s.
+    /// Largest delay of a sample behind the newest IMU sample, counted from its time of validity, s.
     double lag = 0.5;
-    /// Standing still is decided from a second around it. What is not known yet when a sample of the IMU has aged by `lag` is left out;
-    /// with 0.65 s more the decision is that of a batch.
+    /// Zero velocity is decided from one second around an instant. Data not available when an IMU sample is older than `lag` are
+    /// not used; with 0.65 s of extra delay the decision equals that of a batch.
     double still_delay = 0.0;    ///< s
-    double longest_hole = 10.0;  ///< s without samples of the IMU that are bridged; a longer one restarts
-    StillThresholds still;       ///< as a batch has learnt them; zero: by the noise of the IMU, while fixes are slow
-    std::optional<Start> start;  ///< where it starts (`increment` and `previous` are found); none: by alignment
+    double longest_hole = 10.0;  ///< s, longest gap in the IMU data that is bridged; a longer one causes a restart
+    StillThresholds still;       ///< as learnt by a batch; zero: from the IMU noise while fixes are slow
+    std::optional<Start> start;  ///< initial state (`increment` and `previous` are determined); none: by alignment
 };
 
-/// What became of a sample.
+/// Outcome of feeding a sample.
 enum class FeedStatus : std::uint8_t {
     Taken,
-    Late,         ///< older than the lag allows
-    Duplicate,    ///< a sample of this time is there
-    BadValue,     ///< not finite, or not of this world: value, sigma, position or age
-    TooFarAhead,  ///< later than the newest sample of the IMU by more than can be true
-    Full,         ///< more than the stated rate
-    NotUsed       ///< the settings have no use for this instrument
+    Late,         ///< older than the lag permits
+    Duplicate,    ///< a sample of this time already exists
+    BadValue,     ///< not finite or implausible: value, sigma, position or age
+    TooFarAhead,  ///< implausibly far ahead of the newest IMU sample
+    Full,         ///< exceeds the stated rate
+    NotUsed       ///< the settings do not use this instrument
 };
 inline constexpr std::size_t feed_status_count = 7;
 
-/// What the navigator is doing.
+/// The operating phase of the navigator.
 enum class Phase : std::uint8_t {
     WaitingForImu,
-    WaitingForStart,     ///< the time of a given start has not come
+    WaitingForStart,     ///< the time of a given start has not been reached
     WaitingForPosition,  ///< no fix yet
     Levelling,
     Gyrocompassing,
-    FindingHeading,  ///< until motion or a sensor shows it
+    FindingHeading,  ///< until determined by motion or a sensor
     Navigating
 };
 
-/// Something that happened. What does not belong to its kind has its default.
+/// An event. Members that do not apply to its kind have their default.
 struct NavigatorEvent {
     enum class Kind : std::uint8_t {
-        Phase,         ///< `phase` has begun
-        Refused,       ///< a sample of `source`: `status`
-        Hole,          ///< of the IMU, `seconds` long, bridged
-        Hang,          ///< the IMU repeats itself
+        Phase,         ///< `phase` has started
+        Refused,       ///< a sample of `source` was rejected: `status`
+        Hole,          ///< gap of `seconds` in the IMU data, bridged
+        Hang,          ///< IMU data are frozen
         Aid,           ///< a measurement `aid` was not used: `aid_status`
         Alert,         ///< of the integrity monitor: `aid`, `test`
-        Reconsidered,  ///< of two hypotheses about refused fixes, the navigation or the receiver wrong, the other one is accepted now
-        Diverged,      ///< the computation lost its numbers: it restarts
-        Restarted      ///< the axis of time went on elsewhere: it restarts
+        Reconsidered,  ///< of two hypotheses about refused fixes (navigation or receiver wrong), the alternative is now accepted
+        Diverged,      ///< the computation produced invalid numbers: it restarts
+        Restarted      ///< the time axis was discontinuous: it restarts
     };
     Time time{};
     Kind kind = Kind::Phase;
@@ -89,10 +89,10 @@ struct NavigatorEvent {
     double seconds = 0.0;
 };
 
-/// What was fed so far.
+/// Counts of the samples fed so far.
 struct FeedCounters {
     std::array<std::array<std::size_t, feed_status_count>, source_count> by_status{};  ///< [Source][FeedStatus]
-    std::array<std::size_t, source_count> reordered{};                                 ///< taken, but behind later ones
+    std::array<std::size_t, source_count> reordered{};                                 ///< accepted, but out of order
     std::size_t holes = 0, restarts = 0;
     std::size_t events_lost = 0, rows_lost = 0;  ///< not fetched in time
 
@@ -101,16 +101,16 @@ struct FeedCounters {
     }
 };
 
-/// Where the body is, with the covariance of the errors of position, velocity (north, east, down) and attitude: m, m/s, rad.
+/// Navigation state of the body, with the error covariance of position, velocity (north, east, down) and attitude: m, m/s, rad.
 struct NavigatorState {
     NavState nav;
     Eigen::Matrix<double, 9, 9> covariance = Eigen::Matrix<double, 9, 9>::Zero();
 };
 
-/// Why there is no navigator.
+/// Reason why no navigator was created.
 enum class MakeStatus : std::uint8_t { Made, BadSettings, TooManyStates, NotForStreams };
 
-/// What a blob that is to be restored turned out to be.
+/// Result of restoring a saved state.
 enum class RestoreStatus : std::uint8_t { Restored, TooShort, Foreign, OtherVersion, Damaged, OtherSettings };
 
 }  // namespace schuler::filter

@@ -1,4 +1,4 @@
-// From a filter's state and covariance to the rows that are reported.
+// Conversion of a filter's state and covariance to the reported rows.
 #pragma once
 
 #include "schuler/filter/result.h"
@@ -9,12 +9,12 @@ namespace schuler::filter {
 /// Solution row from a geographic state and its 9 x 9 local-level error covariance.
 [[nodiscard]] SolutionRow solution_row(const NavState& nav, const Matrix9& P_n);
 
-/// The solution at a point of the body, `lever_arm_b` from the IMU (m, forward-right-down), by an estimate and its 9 x 9 local-level
-/// covariance. The sigmas have the attitude's share, and in the velocity that of the rate, whose errors of one axis have
-/// `rate_variance` (rad^2/s^2).
+/// The solution at a point of the body, `lever_arm_b` from the IMU (m, forward-right-down), from an estimate and its 9 x 9
+/// local-level covariance. The sigmas include the contribution of the attitude, and for the velocity that of the angular rate,
+/// whose error variance per axis is `rate_variance` (rad^2/s^2).
 [[nodiscard]] SolutionRow solution_row_at(const Estimate& e, const Matrix9& P_n, const Eigen::Vector3d& lever_arm_b,
                                           const Eigen::Vector3d& rate_variance);
-/// Likewise by a filter, which takes the rate over an interval of `imu_interval` s.
+/// The same from a filter, whose rate is taken over an interval of `imu_interval` s.
 template <class Frame>
 [[nodiscard]] SolutionRow solution_row_at(const InertialModel& model, const InertialFilter<Frame>& f, const Matrix9& P_n,
                                           const Eigen::Vector3d& lever_arm_b, double imu_interval) {
@@ -31,10 +31,10 @@ template <class Frame>
 [[nodiscard]] StateRow state_row(const Layout& layout, const NavState& nav, const StateVector& parameters, const StateMatrix& P,
                                  const Matrix9& P_n);
 
-/// Every state from 9 on. `P`: of all states.
+/// All states from index 9 on. `P`: covariance of all states.
 [[nodiscard]] ParameterRow parameter_row(Time time, const Layout& layout, const StateVector& parameters, const StateMatrix& P);
 
-/// The whole covariance of the states of a layout.
+/// The complete covariance of the states of a layout.
 [[nodiscard]] CovarianceRow covariance_row(Time time, const Layout& layout, const StateMatrix& P);
 
 }  // namespace schuler::filter

@@ -1,4 +1,4 @@
-// What fusing one data set gives: solution, innovations, sensor errors, and what was found out on the way.
+// Results of processing one data set: solution, innovations, sensor errors and findings.
 #pragma once
 
 #include "schuler/core/log.h"
@@ -16,47 +16,47 @@
 
 namespace schuler::filter {
 
-/// Excluded: rejected because the channel has lost the trust of the integrity monitor.
+/// Excluded: rejected because the integrity monitor has excluded the channel.
 enum class AidStatus { Accepted, Rejected, Withheld, Excluded };
 
-/// What was found: a test of the integrity monitor (IntegritySettings) that failed, or how refused fixes were explained.
+/// Finding: a failed test of the integrity monitor (IntegritySettings), or the explanation of refused fixes.
 enum class IntegrityTest {
     Tolerance,
     Innovation,
     Slow,
     Readmitted,  ///< the channel is used again
-    Jump,        ///< positions jumped to another level, which the inertial unit did not feel
+    Jump,        ///< positions jumped to another level, not sensed by the inertial unit
     JumpBack,    ///< ... and came back
-    OtherLevel,  ///< the level after a jump has been held for longer than the one before: it counts now
-    Navigation,  ///< the navigation was wrong and has been opened
+    OtherLevel,  ///< the level after a jump has been held longer than the one before and is now accepted
+    Navigation,  ///< the navigation was wrong and its covariance was increased
     Receiver     ///< the receiver was wrong for some fixes and agrees again
 };
 
-/// Who was found to be wrong, and when.
+/// A fault, its origin and time.
 struct Alert {
     Time time;     ///< of the fix
     AidKind kind;  ///< GnssPosition or GnssVelocity
     IntegrityTest test;
-    double size = 0.0;  ///< m or m/s, of what was found by refused fixes
+    double size = 0.0;  ///< m or m/s, size of the fault found from refused fixes
 };
 
-/// One measurement epoch as the filter met it.
+/// One measurement epoch as processed by the filter.
 struct AidRecord {
     Time time;   ///< validity time
     Time stamp;  ///< time in the log
     AidKind kind;
     AidStatus status;
-    int dof = 0;      ///< how many components are used; the others have sigma 0 (GNSS: north, east, down in place)
+    int dof = 0;      ///< number of used components; the others have sigma 0 (GNSS: north, east, down in their places)
     int source = -1;  ///< of a range: index into RangingLog::sources
     Eigen::Vector3d innovation = Eigen::Vector3d::Zero();   ///< estimate minus measured (NED for GNSS), before its own update
     Eigen::Vector3d sigma = Eigen::Vector3d::Zero();        ///< predicted one sigma of the innovation
-    Eigen::Vector3d sigma_state = Eigen::Vector3d::Zero();  ///< the part of it that is the filter's own uncertainty
+    Eigen::Vector3d sigma_state = Eigen::Vector3d::Zero();  ///< contribution of the filter's own uncertainty
     double nis = 0.0;                                       ///< normalised innovation squared of the dof components together
     bool other_level =
-        false;  ///< a position taken less a jump of the receiver (refused_fixes.h), which the innovation is without
+        false;  ///< a position corrected for a jump of the receiver (refused_fixes.h), which the innovation excludes
 };
 
-/// Estimated sensor errors at one time (estimate, one sigma).
+/// Estimated sensor errors at one instant (estimate, one sigma).
 struct SensorErrorRow {
     Time time;
     Eigen::Vector3d gyro_bias, std_gyro_bias;      ///< rad/s
@@ -65,14 +65,14 @@ struct SensorErrorRow {
     Eigen::Vector3d accel_scale, std_accel_scale;  ///< 1
 };
 
-/// Estimate and covariance of a block of up to three states; dof 0: no states of this filter.
+/// Estimate and covariance of a block of up to three states; dof 0: the filter has no such states.
 struct StateBlock {
     int dof = 0;
     Eigen::Vector3d value = Eigen::Vector3d::Zero();
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
 };
 
-/// What the filter says of its states at one time, block by block, for judging it by a simulated truth.
+/// The filter's states at one instant, block by block, for comparison with a simulated truth.
 struct StateRow {
     Time time;
     NavState nav;
@@ -80,17 +80,17 @@ struct StateRow {
     StateBlock gyro_bias, accel_bias;                    ///< body axes, rad/s, m/s^2
     StateBlock gnss_position, gnss_velocity;             ///< correlated errors of the receiver, north, east, down, m, m/s
     StateBlock baro_bias;                                ///< m
-    Eigen::Matrix<double, 9, 9> P_navigation = Eigen::Matrix<double, 9, 9>::Zero();  ///< of the first three with each other
+    Eigen::Matrix<double, 9, 9> P_navigation = Eigen::Matrix<double, 9, 9>::Zero();  ///< joint, of the first three blocks
     StateBlock clock;  ///< tight coupling: c times the receiver's clock error and its rate, m, m/s
 };
 
-/// Estimates and one sigma of every state behind position, velocity and attitude, in the order of Result::states; SI units.
+/// Estimates and one sigma of every state after position, velocity and attitude, in the order of Result::states; SI units.
 struct ParameterRow {
     Time time{};
     std::vector<double> value, std;
 };
 
-/// The whole covariance at one time: column by column, states in the order of Result::states, which here begins with position,
+/// The full covariance at one instant: column by column, states in the order of Result::states, here starting with position,
 /// velocity and attitude in the axes of the mechanization; SI units.
 struct CovarianceRow {
     Time time{};
@@ -104,64 +104,64 @@ struct OutageEpoch {
     bool end = false;                                       ///< the first fix at or after the end, before its own update
     Eigen::Vector3d error = Eigen::Vector3d::Zero();        ///< estimate minus GNSS, m
     Eigen::Vector3d sigma = Eigen::Vector3d::Zero();        ///< predicted one sigma of that difference, m
-    Eigen::Vector3d sigma_state = Eigen::Vector3d::Zero();  ///< the part of it that is the filter's own uncertainty, m
-    /// One sigma of the difference by what is reported of the solution, hypotheses that are not decided with it, and by the whole variance of
-    /// the fix, as if none of the fix's slow errors were part of the solution's, m.
+    Eigen::Vector3d sigma_state = Eigen::Vector3d::Zero();  ///< contribution of the filter's own uncertainty, m
+    /// One sigma of the difference from the reported uncertainty of the solution, including undecided hypotheses, and the total
+    /// variance of the fix, as if none of its slow errors were common to the solution, m.
     Eigen::Vector3d sigma_apart = Eigen::Vector3d::Zero();
 };
 
-/// How far off the position may be after an epoch of ranges, where Settings asks for protection levels (ProtectionSettings has the risk).
+/// Bound of the position error after an epoch of ranges, if Settings requests protection levels (risk: see ProtectionSettings).
 struct ProtectionRow {
     Time time{};
     double horizontal = 0.0, vertical = 0.0;  ///< m
     int used = 0, excluded = 0;               ///< pseudoranges and rates
-    int alarm = -1;                           ///< index into RangingLog::sources: found wrong at this epoch
+    int alarm = -1;                           ///< index into RangingLog::sources: source found faulty at this epoch
 };
 
-/// Intermediate coupling: the receiver's own filter against the tight one, north, east, down, after an epoch of ranges.
+/// Intermediate coupling: the receiver's own filter compared with the tight one, north, east, down, after an epoch of ranges.
 struct CrossCheck {
     Time time{};
     Eigen::Vector3d difference = Eigen::Vector3d::Zero();  ///< tight minus receiver, m, of the antenna
-    Eigen::Vector3d sigma = Eigen::Vector3d::Zero();       ///< of it when both are right, m
+    Eigen::Vector3d sigma = Eigen::Vector3d::Zero();       ///< of the difference if both are correct, m
     bool agrees = true;
-    bool receiver_leads = false;  ///< the solution is the receiver's
+    bool receiver_leads = false;  ///< the solution is taken from the receiver's filter
 };
 
-/// The solution at one of Settings::output_instants, of the point of the user's choice where there is one.
+/// The solution at one of Settings::output_instants, at the user's output point if there is one.
 struct InstantRow {
-    std::size_t index = 0;  ///< into them
+    std::size_t index = 0;  ///< index into output_instants
     SolutionRow row;
 };
 
 /// One pass over the data, forward or smoothed.
 struct Trajectory {
     std::vector<SolutionRow> rows;
-    std::vector<SolutionRow> point;             ///< of the same times at Settings::output_lever_arm_b; empty where that is zero
-    std::vector<InstantRow> instants;           ///< those inside the pass, in order
+    std::vector<SolutionRow> point;             ///< at the same times for Settings::output_lever_arm_b; empty if that is zero
+    std::vector<InstantRow> instants;           ///< those within the pass, in order
     std::vector<SensorErrorRow> sensor_errors;  ///< at most 1 Hz
     std::vector<ParameterRow> parameters;       ///< at most 1 Hz
     std::vector<CovarianceRow>
-        covariances;               ///< at the output rate, forward pass only, where Settings::covariance_rows asks for it
-    std::vector<StateRow> states;  ///< at most 1 Hz, forward pass only, where Settings::state_rows asks for it
+        covariances;               ///< at the output rate, of the forward pass only, if requested by Settings::covariance_rows
+    std::vector<StateRow> states;  ///< at most 1 Hz, forward pass only, if Settings::state_rows requests it
     std::vector<OutageEpoch> outage_epochs;
-    std::vector<ProtectionRow> protection;  ///< one an epoch of ranges, forward pass only
+    std::vector<ProtectionRow> protection;  ///< one per epoch of ranges, forward pass only
 };
 
 struct Settings;
 
-/// A setting that was fitted to the innovations of a trial run.
+/// A setting fitted to the innovations of a trial run.
 struct TunedSetting {
     std::string key;        ///< of dataset.toml
-    double sigma = 0.0;     ///< by the curvature of the likelihood, which takes innovations for independent
-    bool relative = false;  ///< sigma is a share of the value, not in SI
-    bool at_floor = false;  ///< the fit was smaller than such a device can be: a bound is used
+    double sigma = 0.0;     ///< from the curvature of the likelihood, which assumes independent innovations
+    bool relative = false;  ///< sigma is a fraction of the value, not in SI
+    bool at_floor = false;  ///< the fit was below the lower bound for such a device, which is used instead
 };
 
-/// What start-up and the estimators of settings found.
+/// Findings of the alignment and of the estimators of settings.
 struct Findings {
-    Time aligned_at{};                                       ///< heading known from here on
-    bool heading_found = true;                               ///< false: it starts at a guess
-    std::string alignment;                                   ///< one sentence: which method, what it found
+    Time aligned_at{};                                       ///< heading known from this time on
+    bool heading_found = true;                               ///< false: the run starts with an assumed heading
+    std::string alignment;                                   ///< one sentence: the method and its result
     Eigen::Vector3d mounting_rpy = Eigen::Vector3d::Zero();  ///< rad, used (given or estimated)
     Eigen::Vector3d std_mounting_rpy = Eigen::Vector3d::Zero();
     double position_latency = 0.0, velocity_latency = 0.0, height_latency = 0.0, velocity_down_latency = 0.0;  ///< s, used
@@ -173,7 +173,7 @@ struct Findings {
     double heading = not_given, std_heading = not_given;    ///< rad, of the initial state
     std::vector<TunedSetting> tuned;
     Time tuned_from{}, tuned_to{};             ///< span of the trial runs
-    std::shared_ptr<const Settings> in_force;  ///< with everything that was found, nothing left to be estimated; null: as given
+    std::shared_ptr<const Settings> in_force;  ///< with all estimated values; null: as given
 };
 
 struct Counters {
@@ -186,18 +186,18 @@ struct Counters {
 struct Result {
     std::vector<LayoutBlock> states;       ///< of the filter
     Trajectory forward;                    ///< always filled
-    Trajectory receiver;                   ///< medium coupling: the receiver's own filter, of the antenna; attitude NaN
-    std::vector<CrossCheck> cross_checks;  ///< medium coupling
+    Trajectory receiver;                   ///< intermediate coupling: the receiver's own filter, at the antenna; attitude NaN
+    std::vector<CrossCheck> cross_checks;  ///< intermediate coupling
     Trajectory smoothed;                   ///< empty unless Settings::smooth
     std::vector<SolutionRow>
-        backward;  ///< of the backward filter before the fix of each time, in order of time; see Settings::backward
+        backward;  ///< of the backward filter before the fix at each time, in order of time; see Settings::backward
     std::vector<AidRecord> aids;  ///< of the forward pass
-    std::vector<Alert> alerts;    ///< where exclusions begin and end
-    std::vector<Time> legs;  ///< first inertial sample of each part that was navigated by itself, in order; one without pauses
+    std::vector<Alert> alerts;    ///< start and end of exclusions
+    std::vector<Time> legs;       ///< first inertial sample of each separately navigated part, in order; one without pauses
     Findings findings;
     Counters counters;
     double filter_seconds = 0.0;  ///< wall time of the forward pass alone, for timing only
-    double open_attitude = 0.0;   ///< rad, largest attitude error that an open loop carried beside its nominal state
+    double open_attitude = 0.0;   ///< rad, largest attitude error held beside the nominal state of an open loop
 };
 
 }  // namespace schuler::filter

@@ -12,8 +12,8 @@ namespace schuler::fusion {
 
 namespace {
 
-constexpr double opening = 10.0;                       ///< of the forward filter's last sigmas
-constexpr double widest_attitude = 20.0 * units::deg;  ///< ... but not beyond what a linear filter stands
+constexpr double opening = 10.0;                       ///< times the forward filter's last sigmas
+constexpr double widest_attitude = 20.0 * units::deg;  ///< ... but within the range of a linear filter
 constexpr Duration spacing{100'000'000};               ///< of the rows
 
 Time turned(Time t) { return Time{-t.ns}; }
@@ -25,7 +25,7 @@ std::vector<Sample> turned(std::vector<Sample> samples) {
     return samples;
 }
 
-/// What measurements refer to, in the order of tau. Ranges keep their velocities: RangeUpdate knows about time.
+/// Data that measurements refer to, in the order of tau. Ranges keep their velocities: RangeUpdate handles the time reversal.
 Recording turned(const Recording& r) {
     Recording out;
     out.gnss = turned(r.gnss);
@@ -43,9 +43,9 @@ Recording turned(const Recording& r) {
     return out;
 }
 
-/// Samples of the channel that events of this kind refer to.
+/// Samples of the channel referred to by events of this kind.
 std::size_t samples_of(const Recording& r, AidKind kind) {
-    switch (kind) {  // complete, so that a new kind is missed by the compiler
+    switch (kind) {  // complete, so that the compiler reports a new kind
         case AidKind::GnssPosition:
         case AidKind::GnssVelocity: return r.gnss.size();
         case AidKind::Baro: return r.baro.size();
@@ -58,7 +58,7 @@ std::size_t samples_of(const Recording& r, AidKind kind) {
         case AidKind::ZeroRate:
         case AidKind::Nonholonomic:
         case AidKind::Pseudorange:
-        case AidKind::RangeRate: break;  // no events of the timeline
+        case AidKind::RangeRate: break;  // not events of the timeline
     }
     return 0;
 }
@@ -72,13 +72,13 @@ std::vector<Event> turned(const std::vector<Event>& events, const Recording& rec
         e.index = samples_of(recording, e.kind) - 1 - e.index;
         e.outage = -1;
         e.outage_end = false;
-        // the first fix with another set of satellites is the one that was the last with its own
+        // the first fix with another set of satellites becomes the last one with its own
         std::swap(e.constellation_change, changed[static_cast<std::size_t>(e.kind) * 8 + e.components]);
     }
     return out;
 }
 
-/// Increments from `first` to `last`, the last one first.
+/// Increments from `first` to `last`, in reverse order.
 ImuTimeline turned(const ImuTimeline& imu, std::size_t first, std::size_t last) {
     ImuTimeline out;
     out.median_dt = imu.median_dt;
@@ -165,7 +165,7 @@ std::vector<SolutionRow> run_backward(const RunData& data, const Settings& setti
     const auto end = std::find_if(forward.rows.rbegin(), forward.rows.rend(), inertial);
     if (end == forward.rows.rend() || forward.sensor_errors.empty()) return {};
     const auto after = std::ranges::upper_bound(increments, end->time, {}, &ImuIncrement::time);
-    const auto last = static_cast<std::size_t>(after - increments.begin());  // behind the last one
+    const auto last = static_cast<std::size_t>(after - increments.begin());  // after the last one
     if (last <= start.increment) return {};
 
     const Settings back = turned(settings);

@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 constexpr std::size_t least_fixes = 3;
 constexpr double least_span = 2.0;      // s
 constexpr double least_way = 5.0;       // m
-constexpr double velocity_error = 0.3;  // m/s, lasting one of a stated velocity
+constexpr double velocity_error = 0.3;  // m/s, persistent error of a stated velocity
 constexpr double digits = 3.0, sigmas = 5.0;
 constexpr std::size_t most_runs = 20;
 
@@ -54,11 +54,11 @@ public:
     [[nodiscard]] std::size_t index(std::size_t k) const { return index_[k]; }
     [[nodiscard]] const GnssFix& fix(std::size_t k) const { return fixes_[index_[k]]; }
     [[nodiscard]] double seconds(std::size_t from, std::size_t to) const { return (fix(to).time - fix(from).time).seconds(); }
-    /// North, east, m.
+    /// Displacement north, east, m.
     [[nodiscard]] Vector2d way(std::size_t from, std::size_t to) const {
         return earth::ned_difference(earth_, fix(to).position, fix(from).position).head<2>();
     }
-    /// The way by the stated velocities; those that are absent count as none.
+    /// Displacement from the stated velocities; missing ones count as zero.
     [[nodiscard]] Vector2d way_by_velocities(std::size_t from, std::size_t to) const {
         Vector2d sum = Vector2d::Zero();
         for (std::size_t k = from + 1; k <= to; ++k) {
@@ -67,10 +67,10 @@ public:
         }
         return sum;
     }
-    /// m: what two positions may differ by, and a velocity add to it in `span` seconds, without contradiction.
+    /// m: possible difference of two positions, plus that of a velocity in `span` seconds, without contradiction.
     [[nodiscard]] double allowed(std::size_t k, double span) const {
         const double stated = fix(k).std_position.head<2>().norm();
-        const double sigma = std::isfinite(stated) ? std::clamp(stated, 0.5, 10.0) : 3.0;  // m; absurd ones are no measure
+        const double sigma = std::isfinite(stated) ? std::clamp(stated, 0.5, 10.0) : 3.0;  // m; absurd values are not used
         return std::max({least_way, sigmas * sigma, digits * digit_}) + velocity_error * span;
     }
 
@@ -81,7 +81,7 @@ private:
     double digit_ = 0.0;  // m, the smallest step of the log
 };
 
-/// `run(first, last)` for every run of fixes that equal the one before; first is the one that is repeated.
+/// `run(first, last)` for every run of fixes equal to the previous one; first is the repeated one.
 template <class Same, class Run>
 void for_each_run(const Track& track, Same&& same_as, Run&& run) {
     for (std::size_t first = 0, k = 1; k <= track.size(); ++k) {
@@ -92,12 +92,12 @@ void for_each_run(const Track& track, Same&& same_as, Run&& run) {
     }
 }
 
-/// Whether positions that repeat from `first` to `last` end with a leap beyond what the track does afterwards.
+/// True if positions that repeat from `first` to `last` end with a jump inconsistent with the subsequent track.
 bool ends_with_leap(const Track& track, std::size_t first, std::size_t last) {
     if (last + 2 >= track.size()) return false;
     const double step = track.seconds(last, last + 1), next = track.seconds(last + 1, last + 2);
     if (!(step > 0.0 && next > 0.0) || step > 0.5 * track.seconds(first, last))
-        return false;  // an outage: it may have moved since
+        return false;  // an outage: it may have moved since then
     const double usual = track.way(last + 1, last + 2).norm() * step / next;
     return track.way(last, last + 1).norm() > 2.0 * track.allowed(last, step) + 3.0 * usual;
 }
@@ -109,7 +109,7 @@ struct Marks {
         for (std::size_t k = first + 1; k <= last; ++k) marked[track.index(k)] = true;
         ++runs;
     }
-    /// Number of the marked, none where to hold values is the custom of this log.
+    /// Number of marked fixes, none if holding values is normal in this log.
     std::size_t settle(std::size_t fixes) {
         const auto count = static_cast<std::size_t>(std::ranges::count(marked, true));
         if (3 * count <= fixes && runs <= most_runs) return count;
@@ -129,7 +129,7 @@ FrozenFixes frozen_fixes(const std::vector<GnssFix>& fixes, const earth::Earth& 
         if (led_away || ends_with_leap(track, first, last)) positions.mark(track, first, last);
     });
     for_each_run(track, same_velocity, [&](std::size_t first, std::size_t last) {
-        bool along = true;  // with positions that hang
+        bool along = true;  // together with frozen positions
         for (std::size_t k = first + 1; k <= last; ++k) along &= positions.marked[track.index(k)];
         const Vector2d off = track.way(first, last) - track.way_by_velocities(first, last);
         if (along || off.norm() > track.allowed(first, track.seconds(first, last))) velocities.mark(track, first, last);
@@ -146,7 +146,7 @@ FrozenFixes frozen_fixes(const std::vector<GnssFix>& fixes, const earth::Earth& 
 
 namespace {
 
-/// Positions less the way by the stated velocities. Constant where both are right.
+/// Positions minus the path from the stated velocities. Constant if both are correct.
 class Misclosure {
 public:
     Misclosure(const std::vector<GnssFix>& fixes, const earth::Earth& earth) : track_(fixes, earth) {
@@ -172,13 +172,13 @@ public:
     }
 
     [[nodiscard]] const Track& track() const { return track_; }
-    /// Whether the step to k is a leap of the positions.
+    /// True if the step to k is a jump of the positions.
     [[nodiscard]] bool leaps(std::size_t k) const {
         if (broken_[k]) return false;
         const double late = latency * (velocity(k) - velocity(k - 1)).norm();
         return (off_[k] - off_[k - 1]).norm() > std::max(3.0, sigmas * std::sqrt(2.0) * noise(k)) + late;
     }
-    /// The last fix before `back` that was where the track is from `back` on; none within two minutes: `back` itself.
+    /// The last fix before `back` that agrees with the track after `back`; if none within two minutes: `back` itself.
     [[nodiscard]] std::size_t left(std::size_t back) const {
         if (back + around > track_.size()) return back;
         Vector2d level;
@@ -194,14 +194,14 @@ public:
         return back;
     }
 
-    /// Whether the positions of a stretch are not just at another level: that is a jump and a jump back.
+    /// True if the positions of an interval are not merely at another level, which would be a jump and its reversal.
     [[nodiscard]] bool wanders(std::size_t first, std::size_t last) const {
         return (off_[last] - off_[first]).norm() > agreed(first, last);
     }
 
 private:
     static constexpr double longest_step = 3.0, longest = 120.0, drift_span = 30.0;  // s
-    static constexpr double latency = 0.5;                                           // s, of position against velocity
+    static constexpr double latency = 0.5;                                           // s, of position relative to velocity
     static constexpr std::size_t around = 5;
 
     [[nodiscard]] Vector2d velocity(std::size_t k) const { return track_.fix(k).velocity_n.head<2>(); }
@@ -218,7 +218,7 @@ private:
         for (std::size_t k = first; k < first + around; ++k) n += at_level(k) ? 1 : 0;
         return n + 1 >= around;
     }
-    /// Positions that go little by little left before they were seen to: back along their way.
+    /// Gradual departure starts before it was detected: traces the path back to its start.
     [[nodiscard]] std::size_t onset(std::size_t k, std::size_t back, const Vector2d& level) const {
         const double span = track_.seconds(k, back - 1), way = (off_[back - 1] - level).norm();
         if (!(span > 0.0) || (off_[k + 1] - level).norm() > 2.0 * agreed(back, k)) return k;
@@ -230,8 +230,8 @@ private:
 
     Track track_;
     std::vector<Vector2d> off_;
-    std::vector<bool> broken_;  // no way is known to this fix
-    double scatter_ = 0.0;      // m, between neighbours
+    std::vector<bool> broken_;  // displacement to this fix unknown
+    double scatter_ = 0.0;      // m, between neighbouring fixes
     double drift_ = 0.1;        // m/s, of the misclosure in this log
 };
 

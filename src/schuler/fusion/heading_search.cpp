@@ -15,10 +15,10 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr int headings = 36;  // so near that a linearised filter is consistent in each: 24 deg are too far where biases are large
-constexpr double temper = 4.0;               // of log-likelihoods
-constexpr double refuted = 12.0;             // of tempered ones: such a trial is left out of the longer stretches
-constexpr double clear = 10.0 * units::deg;  // one sigma of a heading that is decided
+constexpr int headings = 36;      // so close that a linearised filter is consistent in each: 24 deg are too far with large biases
+constexpr double temper = 4.0;    // of log-likelihoods
+constexpr double refuted = 12.0;  // of tempered ones: such a trial is not continued
+constexpr double clear = 10.0 * units::deg;  // one sigma of a decided heading
 
 struct Trial {
     Start start;
@@ -28,7 +28,7 @@ struct Trial {
     [[nodiscard]] double std() const { return found.std_rpy.z(); }
 };
 
-/// Sorted by weight, without those that are refuted.
+/// Sorted by weight, without the rejected ones.
 void weigh(std::vector<Trial>& trials, const std::optional<HeadingWitness>& witness) {
     for (Trial& t : trials) {
         t.log_weight = t.found.log_likelihood / temper;
@@ -61,12 +61,12 @@ void mix(const std::vector<Trial>& trials, HeadingSearch& search) {
     search.best = trials.front().found;
 }
 
-/// Fixes whose times are known to some tenths of a second only are off by what the vehicle travels, and changes its velocity by, in that
-/// time. As noise of the fixes, for what a wrong attitude does is far larger.
+/// Fixes with a time uncertainty of some tenths of a second are wrong by the distance travelled, and the velocity change, in that
+/// time. Added to the noise of the fixes, because the effect of a wrong attitude is far larger.
 void allow_for_latency(RunData& data, const GnssSettings& gnss) {
     const double of_velocity = gnss.velocity_latency_std > 0.0 ? gnss.velocity_latency_std : gnss.latency_std;
     if (!(gnss.latency_std > 0.0 || of_velocity > 0.0)) return;
-    constexpr double apart = 0.4;  // s, least distance of fixes that tell a rate of change
+    constexpr double apart = 0.4;  // s, least interval between fixes for a rate of change
     const std::vector<GnssFix>& fixes = data.recording->gnss;
     const earth::Earth earth;
     std::size_t before = 0, after = 0;
@@ -113,7 +113,7 @@ HeadingSearch search_heading(const RunData& all, const Settings& settings, const
         mix(trials, search);
         search.decided = search.std < clear;
         if (search.decided) {
-            // Once more from where the best ended up: its errors are small, so the linearised filter is judged where it holds.
+            // Repeated from the best result: its errors are small, so the linearised filter is judged where it is valid.
             Start refined = start;
             refined.nav = search.best.nav;
             refined.gyro_bias = search.best.gyro_bias;

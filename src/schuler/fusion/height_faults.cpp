@@ -44,7 +44,7 @@ struct Series {
 };
 
 struct Heights {
-    Series gnss, baro, force;  ///< m, m, m/s^2: size of the specific force
+    Series gnss, baro, force;  ///< m, m, m/s^2: magnitude of the specific force
     std::vector<std::size_t> index;
     double gravity = 9.80665;
 
@@ -69,7 +69,7 @@ struct Heights {
         }
     }
 
-    /// How far, RMS, the vertical accelerations of receiver and barometer are from those that the force shows; absent where there are too few.
+    /// RMS deviation of the vertical accelerations of receiver and barometer from those of the specific force; absent if there are too few.
     [[nodiscard]] std::optional<std::pair<double, double>> misfit(double from, double to) const {
         constexpr double half = 2.0, step = 1.0;  // s
         std::vector<double> by_gnss, by_baro;
@@ -82,7 +82,7 @@ struct Heights {
         }
         constexpr std::size_t least = 8;
         if (by_gnss.size() < least) return std::nullopt;
-        const auto rms = [](const std::vector<double>& v) {  // about the median: of tilt and bias
+        const auto rms = [](const std::vector<double>& v) {  // about the median, which contains tilt and bias
             const double middle = math::median(v);
             double sum = 0.0;
             for (const double x : v) sum += (x - middle) * (x - middle) / static_cast<double>(v.size());
@@ -118,7 +118,7 @@ std::vector<bool> heights_off_barometer(const Recording& recording, const filter
         std::vector<double> sizes(apart.t.size());
         double level = 0.0, level_height = 0.0, until = -std::numeric_limits<double>::infinity();
         for (std::size_t k = 0; k < apart.t.size(); ++k) {
-            if (apart.t[k] >= until) {  // a median a while: it hardly changes
+            if (apart.t[k] >= until) {  // a common median over an interval: it hardly changes
                 const auto [a, b] = apart.within(apart.t[k] - around, apart.t[k] + around);
                 const auto part = [&](const std::vector<double>& v) {
                     return math::median({v.begin() + static_cast<std::ptrdiff_t>(a), v.begin() + static_cast<std::ptrdiff_t>(b)});

@@ -1,4 +1,4 @@
-// Heights of a receiver beside those of a barometer: which of two that part is wrong, the inertial unit tells.
+// Heights of the receiver compared with those of a barometer; the inertial unit shows which of the two is wrong.
 #pragma once
 
 #include "schuler/core/log.h"
@@ -11,16 +11,16 @@
 
 namespace schuler::fusion {
 
-/// Fixes, one a fix, whose height leaves the barometer's by more than 10 m, six sigma of what the two usually differ by and a twentieth of the
-/// height itself, beside what they differ by in the ten minutes around. Which of the two moved is told by the vertical
-/// acceleration of each, over four seconds, against the size of the specific force less gravity: the receiver's is wrong where the
-/// barometer's agrees clearly better. A barometer that is wrong, and what neither tells, is left to the filter; so is everything where a
-/// third of the fixes would be left out.
+/// Flags, one per fix, of heights that differ from the barometer's by more than 10 m, six sigma of their usual difference and a
+/// twentieth of the height itself, relative to their difference in the surrounding ten minutes. The vertical acceleration of
+/// each, over four seconds, is compared with the magnitude of the specific force minus gravity: the receiver is wrong if the
+/// barometer agrees clearly better. A faulty barometer and undecided cases are left to the filter, and so is everything if a
+/// third of the fixes would be excluded.
 [[nodiscard]] std::vector<bool> heights_off_barometer(const Recording& recording, const filter::ImuTimeline& imu,
                                                       const earth::Earth& earth);
 
-/// Adds them to what is left out, with a warning: heights, and the vertical velocities with them. Nothing where the barometer is not
-/// used, without gates, and with integrity control.
+/// Adds them to the excluded parts, with a warning: heights and their vertical velocities. No effect if the barometer is not
+/// used, without gates, or with integrity control.
 void screen_heights(FixScreen& screen, const Recording& recording, const filter::ImuTimeline& imu, const Settings& settings,
                     Time origin, WarningLog& warnings);
 

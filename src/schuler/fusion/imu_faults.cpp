@@ -14,7 +14,7 @@ using filter::ImuTimeline;
 
 namespace {
 
-/// Runs of samples, from the second of equal ones on, that repeat the one before; empty where repeating is usual.
+/// Runs of samples equal to the previous one, starting with the second of them; empty if repetition is normal.
 template <class Same>
 void find_stuck(std::size_t n, std::size_t least, double usual, std::size_t most_runs, Same&& same, std::vector<bool>& stuck) {
     std::vector<std::pair<std::size_t, std::size_t>> runs;
@@ -48,7 +48,7 @@ std::vector<bool> stuck_samples(const std::vector<ImuSample>& samples, double me
                 [&](std::size_t i) { return (samples[i].*value)(axis) == (samples[i - 1].*value)(axis); }, stuck);
     }
     count = static_cast<std::size_t>(std::ranges::count(stuck, true));
-    if (2 * count > samples.size()) {  // a simulated unit at rest, noise-free; or an axis that is not there
+    if (2 * count > samples.size()) {  // a simulated noise-free unit at rest; or a missing axis
         stuck.assign(samples.size(), false);
         count = 0;
     }
@@ -57,11 +57,11 @@ std::vector<bool> stuck_samples(const std::vector<ImuSample>& samples, double me
 
 namespace {
 
-/// Which values of an increment are looked at: rate or specific force.
+/// The examined values of an increment: rate or specific force.
 struct Quantity {
     Vector3d ImuIncrement::*integral;
     double filter::BridgeNoise::*psd;
-    double least;  ///< rad, m/s: an integral wrong by less is not worth a doubt
+    double least;  ///< rad, m/s: smaller errors of the integral are ignored
     [[nodiscard]] Vector3d of(const ImuIncrement& i) const { return i.*integral / i.dt; }
 };
 
@@ -69,7 +69,7 @@ struct Block {
     std::size_t first, end;
 };
 
-/// Mean square of second differences, over six: the variance of what is not smooth, however steep the motion.
+/// Mean square of second differences, over six: the variance of the non-smooth part, however steep the motion.
 double roughness(const std::vector<ImuIncrement>& increments, const Block& b, const Quantity& q) {
     double sum = 0.0;
     const std::size_t first = std::max<std::size_t>(b.first, 2);
@@ -84,7 +84,7 @@ double roughness(const std::vector<ImuIncrement>& increments, const Block& b, co
     return sum / (6.0 * static_cast<double>(b.end - first));
 }
 
-/// The same by the smaller third of the second differences of its worst axis, which outliers, even one sample of five, do not reach.
+/// The same from the smaller third of the second differences of its worst axis, unaffected by outliers up to one sample in five.
 double robust_roughness(const std::vector<ImuIncrement>& increments, const Block& b, const Quantity& q,
                         std::vector<double>& differences) {
     constexpr double share = 0.3, of_normal = 0.385;  // of a normal distribution's sigmas, two-sided
@@ -115,9 +115,9 @@ double median_of(const std::vector<ImuIncrement>& increments, const Block& b, co
     return math::median(std::move(values));
 }
 
-/// Variance, of its worst axis, of the integral over a block of what lies outside the medians of it and its neighbours: departures of
-/// one sign in a row are one error. A manoeuvre that begins or ends lies between them. Nothing where the departures are far larger than
-/// what is rough: that is motion too, however steep.
+/// Variance, for its worst axis, of the integral over a block of the values outside the medians of it and its neighbours:
+/// successive departures of one sign are one error. The start or end of a manoeuvre lies between the medians. Empty if the
+/// departures are far larger than the roughness, because that is steep motion.
 double departure(const std::vector<ImuIncrement>& increments, const std::vector<Block>& blocks, std::size_t k, const Quantity& q,
                  double rough) {
     const Block& b = blocks[k];
@@ -144,17 +144,17 @@ double departure(const std::vector<ImuIncrement>& increments, const std::vector<
     return rough > 0.05 * square ? worst : 0.0;
 }
 
-/// The end of an axis's range in one direction, where the log shows it.
+/// The range limit of an axis in one direction, if visible in the log.
 struct End {
     double sign = 1.0, mean = 0.0;
     double limit = 0.0;  ///< of the departure from the mean
-    double size = 0.0;   ///< by which what lies beyond may be wrong
+    double size = 0.0;   ///< possible error of a saturated value
     bool reached = false;
 };
 
-/// Values that stay at the largest one the axis ever shows are its end where that is rare and far from what the axis usually shows, or where
-/// far more of them are there than at the next smaller value, close below: a range that the motion exceeds all the time. So is the one value
-/// of an axis of the accelerometers that never shows another, where together they do not show gravity.
+/// Values that stay at the largest one ever shown by the axis are its limit if that is rare and far from the usual values, or if
+/// they are far more frequent than the next smaller value close below: a range permanently exceeded by the motion. The same
+/// applies to the constant value of an accelerometer axis if the three together do not show gravity.
 End end_of(const std::vector<ImuIncrement>& increments, const Quantity& q, int axis, double sign) {
     End end;
     end.sign = sign;
@@ -164,8 +164,8 @@ End end_of(const std::vector<ImuIncrement>& increments, const Quantity& q, int a
     for (const auto& i : increments) end.limit = std::max(end.limit, sign * (q.of(i)(axis) - end.mean));
     const auto close = [&](double value) {
         return value - 1e-9 * (end.limit + std::abs(end.mean));
-    };                                                       // what is saturated repeats to the last digit
-    constexpr double mostly = 0.1, beyond = 0.3;             // of all samples; of the range
+    };                                                       // a saturated value repeats to the last digit
+    constexpr double mostly = 0.1, beyond = 0.3;             // fraction of all samples; of the range
     if (!(end.limit > 1e-6 * (1.0 + std::abs(end.mean)))) {  // an axis without noise
         if (q.integral != &ImuIncrement::dv || sign * end.mean <= 0.0) return end;
         constexpr double gravity = 9.81, without_doubt = 0.3;  // m/s^2
@@ -187,16 +187,16 @@ End end_of(const std::vector<ImuIncrement>& increments, const Quantity& q, int a
         if (x >= close(end.limit)) ++there;
         else if (x >= close(next)) ++below;
     }
-    const bool continuous = end.limit - next < 0.1 * end.limit;  // two levels of a coarse axis are none
+    const bool continuous = end.limit - next < 0.1 * end.limit;  // the two levels of a coarse axis do not count
     end.reached = continuous && there >= 30 && there > 10 * below;
-    // An axis that is mostly at its end hardly departs from its mean.
+    // An axis that is mostly at its limit hardly departs from its mean.
     if (static_cast<double>(there) > mostly * static_cast<double>(increments.size()))
         end.size = std::max(end.size, beyond * std::abs(end.mean + sign * end.limit));
     return end;
 }
 
-/// Adds the noise of samples that stay at the end of their axis's range, three in a row or more: wrong by as much again, for all of that time.
-/// `saturated`: those samples.
+/// Adds the noise of samples that stay at the limit of their axis, three in a row or more: error as large again over all of that
+/// time. `saturated`: those samples.
 void add_saturation(const std::vector<ImuIncrement>& increments, const Quantity& q, const std::vector<Block>& blocks,
                     std::vector<filter::BridgeNoise>& noise, std::vector<bool>& saturated) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -253,7 +253,7 @@ Doubts doubtful_stretches(const ImuTimeline& timeline) {
         for (std::size_t k = 0; k < blocks.size(); ++k) rough[k] = roughness(increments, blocks[k], q);
         std::vector<double> robust(blocks.size()), room;
         for (std::size_t k = 0; k < blocks.size(); ++k) robust[k] = robust_roughness(increments, blocks[k], q, room);
-        // More than a twentieth of the log may be full of outliers; the bulk of its values is not.
+        // More than a twentieth of the log may contain outliers; the bulk of its values must not.
         constexpr double heavy_tails = 10.0;
         const double by_values = math::quantile(std::move(robust), 0.95), by_blocks = math::quantile(rough, 0.95);
         const double bulk = by_values > 0.0 ? std::min(by_blocks, heavy_tails * by_values) : by_blocks;

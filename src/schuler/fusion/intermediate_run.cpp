@@ -13,23 +13,23 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// The receiver's filter along the epochs, and what the two say of each other.
+/// The receiver's filter over the epochs, and the comparison of the two.
 class Beside {
 public:
     Beside(const RunData& data, const Settings& settings, Time origin, Result& result)
         : log_(data.recording->ranges), settings_(settings), origin_(origin), result_(result), filter_(settings, log_) {}
 
-    /// An epoch that the tight filter has used, the antenna by it and its covariance.
+    /// An epoch used by the tight filter, with its antenna position and covariance.
     void check(const RangeEpoch& epoch, const Geodetic& antenna, const Eigen::Matrix3d& P) {
         go_to(epoch.time);
         if (result_.receiver.rows.empty() || result_.receiver.rows.back().time != epoch.time) return;
         CrossCheck& c = result_.cross_checks.back();
         c.difference = earth::ned_difference(settings_.earth, antenna, result_.receiver.rows.back().position);
-        // never less than a tenth: two models of the same ranges are not as nearly optimal as the difference of their covariances says
+        // at least a tenth: two models of the same ranges are not as nearly optimal as the difference of their covariances indicates
         const Vector3d own = filter_.position_covariance().diagonal();
         c.sigma = (own - P.diagonal()).cwiseMax(0.1 * own).cwiseSqrt();
         if (!filter_.determined()) {
-            leads_ = false;  // it says nothing of its own
+            leads_ = false;  // it has no independent information
             run_ = 0;
             return;
         }
@@ -39,7 +39,7 @@ public:
         if (run_ >= patience) leads_ = !agreed_ && !filter_.doubtful();
         c.receiver_leads = leads_;
     }
-    /// Through the epochs up to this time.
+    /// Processes the epochs up to this time.
     void go_to(Time time) {
         for (; next_ < log_.epochs.size() && log_.epochs[next_].time <= time; ++next_) {
             const RangeEpoch& epoch = log_.epochs[next_];
@@ -74,7 +74,7 @@ private:
     int run_ = 0;
 };
 
-/// Whether the inertial measurements around a time were bridged over a second or more.
+/// True if the inertial measurements around a time were bridged over a second or more.
 class Holes {
 public:
     explicit Holes(const ImuTimeline& imu) {
@@ -92,7 +92,7 @@ private:
     std::vector<std::pair<Time, Time>> spans_;
 };
 
-/// The receiver's solution at t, `from_antenna_b` away from its antenna (m), carried on from its last epoch by its velocity; nothing where that is long ago.
+/// The receiver's solution at t, `from_antenna_b` away from its antenna (m), extrapolated from its last epoch by its velocity; false if too old.
 bool by_receiver(const Result& result, const Settings& settings, const Vector3d& from_antenna_b, std::size_t& at,
                  SolutionRow& row) {
     const Time t = row.time;
@@ -111,7 +111,7 @@ bool by_receiver(const Result& result, const Settings& settings, const Vector3d&
     return true;
 }
 
-/// The one solution of the two.
+/// The single solution from the two.
 void merge(const RunData& data, const Settings& settings, Result& result) {
     const Holes holes(data.imu);
     const auto take_over = [&](SolutionRow& row, const Vector3d& point_b, std::size_t& at, std::size_t& check) {
@@ -127,7 +127,7 @@ void merge(const RunData& data, const Settings& settings, Result& result) {
     const auto itself = [](SolutionRow& row) -> SolutionRow& { return row; };
     const auto of_row = [](InstantRow& r) -> SolutionRow& { return r.row; };
     const bool point = !settings.output_lever_arm_b.isZero(0.0);
-    // Which way an arm points is not known any more: as long as it is, the position is uncertain.
+    // The direction of a lever arm is no longer known: the position uncertainty is its length.
     const auto away = [&](SolutionRow row, const Vector3d& point_b) {
         row.std_position = (row.std_position.array().square() + (point_b - settings.gnss.lever_arm_b).squaredNorm()).sqrt();
         return row;

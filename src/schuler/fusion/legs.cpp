@@ -12,7 +12,7 @@
 namespace schuler::fusion {
 namespace {
 
-/// The samples from `from` to before `to`; logs need not be in order of time.
+/// The samples in [`from`, `to`); logs need not be in time order.
 template <class Sample>
 std::vector<Sample> within(const std::vector<Sample>& log, Time from, Time to) {
     std::vector<Sample> part;
@@ -48,7 +48,7 @@ void join(Trajectory& all, Trajectory& more, bool same_states) {
     join(all.covariances, more.covariances);
 }
 
-/// What the positions of a log say of a hole that the inertial log has as well.
+/// Evidence in the positions of a log about a gap that the inertial log has as well.
 class SetClocks {
 public:
     explicit SetClocks(const std::vector<GnssFix>& fixes) {
@@ -63,18 +63,18 @@ public:
         if (!off.empty()) scatter_ = math::median(std::move(off));
     }
 
-    /// Whether from the fix before a hole to the one after it the vehicle came as far as in a usual step, and not as in all of the hole.
+    /// True if the distance between the fixes around a gap is that of a usual interval, not that of the whole gap.
     [[nodiscard]] bool at(Time from, Time to) const {
         const auto first = std::ranges::lower_bound(fixes_, from, {}, [](const GnssFix* f) { return f->time; });
         const auto k = static_cast<std::size_t>(first - fixes_.begin());
         if (k < 3 || k + 2 >= fixes_.size()) return false;
         const double hole = seconds(k), step = (to - from).seconds();
-        if (hole < step || hole > step + 1.5 * step_) return false;  // not of both logs
+        if (hole < step || hole > step + 1.5 * step_) return false;  // not common to both logs
         const Vector2d before = velocity(k - 3, k - 1), after = velocity(k, k + 2), mean = 0.5 * (before + after);
         const double rest = hole - step, sigma = std::max({least_way, scatter_, 0.25 * (after - before).norm() * step_});
         const double as_set = (way(k) - rest * mean).squaredNorm() / (sigma * sigma),
                      as_stamped = (way(k) - hole * mean).squaredNorm() / (sigma * sigma);
-        constexpr double beyond_chance = 25.0;  // of one fix that is off as well
+        constexpr double beyond_chance = 25.0;  // for a single fix that is off as well
         return as_set < 9.0 && as_stamped - as_set > beyond_chance;
     }
 
@@ -87,7 +87,7 @@ private:
         return earth::ned_difference(earth::Earth{}, fixes_[to]->position, fixes_[from]->position).head<2>();
     }
     [[nodiscard]] Vector2d way(std::size_t k) const { return way(k - 1, k); }
-    /// As the receiver states it, else by positions.
+    /// As stated by the receiver, else from positions.
     [[nodiscard]] Vector2d velocity(std::size_t from, std::size_t to) const {
         const Vector2d sum = fixes_[from]->velocity_n.head<2>() + fixes_[to]->velocity_n.head<2>();
         if (sum.allFinite()) return 0.5 * sum;
@@ -105,7 +105,7 @@ private:
 
 std::vector<Time> leg_starts(const Recording& recording) {
     std::vector<Time> starts;
-    constexpr double least_set = 0.5;  // s: less is a gap that is bridged, whatever it was
+    constexpr double least_set = 0.5;  // s: shorter is a gap that is bridged, whatever its cause
     std::optional<SetClocks> set;
     for (const ImuSample& s : recording.imu) {
         if (starts.empty()) {

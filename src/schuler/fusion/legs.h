@@ -1,4 +1,4 @@
-// Legs of a log: what lies between pauses that no inertial navigation can carry on over.
+// Legs of a log: the parts between pauses too long for inertial navigation to continue.
 #pragma once
 
 #include "schuler/core/samples.h"
@@ -9,24 +9,24 @@
 
 namespace schuler::fusion {
 
-/// s without inertial samples after which navigation restarts: a hole this long bridged by interpolation says nothing of where the vehicle went.
+/// s without inertial samples after which navigation restarts: interpolation over a longer gap contains no information about the motion.
 inline constexpr double longest_bridge = 120.0;
 
-/// The first inertial sample of each leg; one where there is no pause, none of an empty log. A shorter hole begins a leg too where both logs have it
-/// and the vehicle came only as far as it does in a usual step: no time has passed, the clock of both was set.
+/// The first inertial sample of each leg; one if there is no pause, none for an empty log. A shorter gap also starts a leg if
+/// both logs have it and the vehicle moved no further than in a usual step: no time has passed; the clock of both was set.
 [[nodiscard]] std::vector<Time> leg_starts(const Recording& recording);
 
-/// The samples of one leg: inertial ones from `from` to before `to`, the others from half way through the pauses around it.
+/// The samples of one leg: inertial ones in [`from`, `to`), the others up to the middle of the adjacent pauses.
 [[nodiscard]] Recording leg_of(const Recording& recording, const std::vector<Time>& starts, std::size_t leg);
 
-/// The samples from `from` to before `to`.
+/// The samples in [`from`, `to`).
 [[nodiscard]] Recording part_of(const Recording& recording, Time from, Time to);
 
-/// Settings for a leg after another: what that one found is in force, the biases begin where they were, with the sigmas of a switch-on.
-/// A car that is where it was parked points where it pointed, and whatever a clock was set under keeps its attitude. `seconds`: from the origin of the whole log to that of the leg.
+/// Settings for a leg that follows another: estimated settings are adopted, the biases start at their last values with the sigmas of a switch-on. A car still
+/// at its parking position keeps its heading, and after a mere clock step the attitude is kept. `seconds`: from the origin of the whole log to that of the leg.
 [[nodiscard]] Settings continued(const Settings& settings, const Result& before, const Recording& leg, double seconds);
 
-/// Puts the results of a leg behind those of the legs before it.
+/// Appends the results of a leg to those of the preceding legs.
 void append(Result& all, Result&& leg);
 
 }  // namespace schuler::fusion

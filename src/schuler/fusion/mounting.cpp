@@ -22,7 +22,7 @@ MountingEstimate estimate_mounting(const RunData& all, const Settings& settings,
     options.last_increment = increment_at(data, start.nav.time + Duration::from_seconds(900.0));
     const Result run = run_pass(data, trial, start, options);
     std::vector<Vector3d> forward;
-    std::vector<double> weight;  // of the heading: the direction in the body is as good as the attitude
+    std::vector<double> weight;  // from the heading sigma: the direction in the body is as accurate as the attitude
     Vector3d down = Vector3d::Zero();
     for (const SolutionRow& row : run.forward.rows) {
         const Eigen::Matrix3d C_nb = math::dcm_from_rpy(row.rpy);
@@ -34,7 +34,7 @@ MountingEstimate estimate_mounting(const RunData& all, const Settings& settings,
     }
     MountingEstimate estimate;
     if (forward.size() < 50) return estimate;
-    // Median direction first, then the mean of what is near it: reversing and sliding do not count.
+    // Median direction first, then the mean of its neighbourhood: reversing and sliding are excluded.
     Vector3d axis;
     for (int i = 0; i < 3; ++i) {
         std::vector<double> x;
@@ -52,13 +52,13 @@ MountingEstimate estimate_mounting(const RunData& all, const Settings& settings,
         best = std::max(best, weight[i]);
         n += 1.0;
     }
-    // Wheels roll along their axis, backwards for a while; what may fly sideways shows its nose only where it hardly does.
+    // Wheels roll along their axis, occasionally backwards; a vehicle able to move sideways shows it only if it rarely does so.
     const double least = settings.vehicle == VehicleKind::Car ? 0.5 : 0.8;
     if (n < least * static_cast<double>(forward.size())) return estimate;
     const Vector3d x = sum.normalized();
     const Vector3d z = (down - down.dot(x) * x).normalized();
     estimate.C_vb << x.transpose(), z.cross(x).transpose(), z.transpose();
-    // Attitude errors of neighbouring rows are the same error: the best of them bounds what their mean can know.
+    // Attitude errors of neighbouring rows are correlated: the best of them bounds the accuracy of their mean.
     const double std = std::sqrt(spread / total / std::max(1.0, n / 25.0) + 1.0 / best);
     estimate.std_rpy = Vector3d(2.0 * units::deg, std, std);
     estimate.found = true;

@@ -1,11 +1,11 @@
-// The angles between the inertial unit and its vehicle, from the direction of travel.
+// The angles between inertial unit and vehicle, from the direction of travel.
 #pragma once
 
 #include "schuler/fusion/run_pass.h"
 
 namespace schuler::fusion {
 
-/// Vehicle axes to present body axes, from the direction of motion in body axes: C_vb. Identity and a warning where the vehicle
+/// C_vb: present body axes to vehicle axes, from the direction of motion in body axes. Identity and a warning if the vehicle
 /// hardly moves.
 struct MountingEstimate {
     Eigen::Matrix3d C_vb = Eigen::Matrix3d::Identity();

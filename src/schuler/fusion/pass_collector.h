@@ -1,4 +1,4 @@
-// What a pass reports, gathered into a result.
+// Collects the reported data of a pass into a result.
 #pragma once
 
 #include "schuler/earth/earth.h"
@@ -62,7 +62,7 @@ public:
     }
     void aid(const AidRecord& r) override {
         result_.aids.push_back(r);
-        if (r.kind != AidKind::GnssPosition || !(r.sigma.x() > 0.0)) return;  // a height of another age is no epoch of its own
+        if (r.kind != AidKind::GnssPosition || !(r.sigma.x() > 0.0)) return;  // a height with its own age is not a separate epoch
         ++result_.counters.gnss_epochs;
         ++(r.status == AidStatus::Accepted   ? result_.counters.gnss_accepted
            : r.status == AidStatus::Withheld ? result_.counters.gnss_withheld
@@ -83,7 +83,7 @@ public:
     }
 
 private:
-    /// As the rows of the solution are decimated (report::decimated).
+    /// Decimated as the rows of the solution (report::decimated).
     [[nodiscard]] std::int64_t slot_of(Time time) const {
         return period_number(time, Duration::from_seconds(1.0 / settings_.covariance_rate));
     }

@@ -73,7 +73,7 @@ bool explains(const Result& anew, const Result& diverged, Time since) {
 std::optional<CarriedHeading> heading_carried_back(const Result& before, const Result& after) {
     if (before.forward.rows.empty() || after.forward.rows.empty()) return std::nullopt;
     const SolutionRow &end = before.forward.rows.back(), &begin = after.forward.rows.front();
-    constexpr double longest = 5.0, turning = 5.0 * units::deg, unknown = 1.0;  // s between the two, rad in it, rad
+    constexpr double longest = 5.0, turning = 5.0 * units::deg, unknown = 1.0;  // s between the two, rad within it, rad
     if ((begin.time - end.time).seconds() > longest) return CarriedHeading{before.findings.heading, unknown};
     const double off = math::wrap_pi(end.rpy.z() - begin.rpy.z()), sigma = std::hypot(end.std_rpy.z(), begin.std_rpy.z());
     if (std::abs(off) < 3.0 * sigma) return std::nullopt;

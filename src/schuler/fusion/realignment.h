@@ -1,5 +1,5 @@
-// Realignment, in motion, where a filter has diverged from the fixes: its heading or level was so wrong that neither it nor its rivals
-// came back to them.
+// In-motion realignment after a filter has diverged from the fixes: its heading or level was so wrong that neither it nor its
+// rivals recovered.
 #pragma once
 
 #include "schuler/fusion/result.h"
@@ -10,32 +10,32 @@
 
 namespace schuler::fusion {
 
-/// Whether a run with these settings may be realigned: one that takes a receiver's fixes and may refuse them by its gates.
+/// True if a run with these settings may be realigned: it uses a receiver's fixes and may reject them by its gates.
 [[nodiscard]] bool may_realign(const Settings& settings);
 
-/// Where a run may have diverged: the fixes had found the navigation wrong, it was opened, and within two minutes a tenth of the positions
-/// (five at least) were refused none the less, or it was found wrong once more. A receiver that is wrong does not look like that: it jumps
-/// or drifts, and the navigation is not found wrong by it. Returns the time of the last position that was used before; the start of the run
-/// where there is none.
+/// Whether a run has diverged: the fixes had shown the navigation to be wrong, its covariance was increased, and within two
+/// minutes a tenth of the positions (at least five) were still rejected, or it was found wrong once more. A receiver fault
+/// behaves differently: it jumps or drifts, and does not show the navigation to be wrong. Returns the time of the last position
+/// used before; the start of the run if there is none.
 [[nodiscard]] std::optional<Time> diverged_at(const Result& result);
 
-/// Positions that were refused after `since`, and those used.
+/// Positions rejected after `since`, and those used.
 struct PositionCount {
     std::size_t used = 0, refused = 0;
 };
 [[nodiscard]] PositionCount positions_after(const Result& result, Time since);
 
-/// Whether a run that was realigned at `since` explains what another refused: its attitude is another one (by five degrees for two
-/// seconds of its first two minutes; where it is the same one, it is not the attitude that was wrong), and of the positions since then it
-/// refuses less than half as many, and no more than a tenth.
+/// True if a run realigned at `since` explains the rejections of another: its attitude differs (by five degrees over two seconds
+/// within its first two minutes; otherwise the attitude was not at fault), and of the positions since then it rejects less than
+/// half as many, and at most a tenth.
 [[nodiscard]] bool explains(const Result& anew, const Result& diverged, Time since);
 
-/// The heading at the start of a run, and its sigma, rad, as its successor, realigned where this one ends, shows them.
+/// The initial heading of a run and its sigma, rad, derived from its successor, which was realigned where this one ends.
 struct CarriedHeading {
     double heading = 0.0, std = 0.0;
 };
-/// Its own less what it is off by at the end, for the gyros carry an error of the heading along; with a radian of uncertainty where the
-/// successor begins more than five seconds later. Nothing where the two agree within three sigma.
+/// Its own heading less its error at the end, since the gyros preserve a heading error; with a sigma of one radian if the
+/// successor starts more than five seconds later. Empty if the two agree within three sigma.
 [[nodiscard]] std::optional<CarriedHeading> heading_carried_back(const Result& before, const Result& after);
 
 }  // namespace schuler::fusion

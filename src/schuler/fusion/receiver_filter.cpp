@@ -19,7 +19,7 @@ namespace {
 Settings of_receiver(const Settings& settings) {
     Settings s = trial_settings(settings);
     s.imu.errors = {};
-    s.coupling = settings.coupling;  // whose ranges it takes
+    s.coupling = settings.coupling;  // determines which ranges are used
     s.imu.gyro_vibration = s.imu.accel_vibration = std::nullopt;
     s.imu.errors.accel_noise = settings.ranging.receiver_acceleration;
     s.gnss.lever_arm_b.setZero();
@@ -55,7 +55,7 @@ bool ReceiverFilter::start(const RangeEpoch& epoch, std::span<const RangeSample>
     const bool moving = s.velocity.allFinite();
     nav.v_eb_n = moving ? Vector3d(C_ne * s.velocity) : Vector3d(Vector3d::Zero());
     nav.q_nb.setIdentity();
-    // roomy: this epoch's ranges are used once more, and the solution knows nothing of their slow errors
+    // wide: this epoch's ranges are used once more, and the solution does not include their slow errors
     constexpr double roomy = 100.0, least_position = 100.0, least_velocity = 1.0, unknown_velocity = 300.0;
     InertialFilter<GeographicFrame>& f = filter_.emplace(model_);
     tracking_.slots = {};
@@ -75,9 +75,9 @@ bool ReceiverFilter::start(const RangeEpoch& epoch, std::span<const RangeSample>
     return true;
 }
 
-/// Level axes that turn with the local level, and the specific force of unaccelerated motion over the Earth.
+/// Level axes that rotate with the local level, and the specific force of unaccelerated motion over the Earth.
 void ReceiverFilter::coast_to(Time time) {
-    // short steps for the turning of the axes
+    // short steps for the rotation of the axes
     constexpr double longest = 0.01;  // s
     InertialFilter<GeographicFrame>& f = *filter_;
     for (double left = (time - f.time()).seconds(); left > 1e-9; left = (time - f.time()).seconds()) {
@@ -100,7 +100,7 @@ void ReceiverFilter::propagate_covariance() {
 
 bool ReceiverFilter::process(const RangeEpoch& epoch, std::span<const RangeSample> samples) {
     constexpr int least = 4;           // pseudoranges that determine a position and a clock
-    constexpr double patience = 10.0;  // s with fewer, which a vehicle that turns does not spend in unaccelerated motion
+    constexpr double patience = 10.0;  // s with fewer, longer than a turning vehicle moves without acceleration
     if (!filter_ && !start(epoch, samples)) return false;
     coast_to(epoch.time);
     (void)update_(*filter_, tracking_, log_, samples, nullptr);

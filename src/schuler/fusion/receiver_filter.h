@@ -9,26 +9,26 @@
 
 namespace schuler::fusion {
 
-/// The antenna moves with white acceleration (RangingFilterSettings::receiver_acceleration) about constant velocity over the
-/// Earth; no inertial measurement and no barometer is used, not even to begin with: it starts where a single-point solution from
-/// four satellites puts it. Clock, slow errors, tests and exclusions are the tight filter's, whose error states serve with
-/// attitude and sensor errors known. After ten seconds with fewer than four ranges it ends,
-/// and restarts with four.
+/// The antenna moves with white acceleration (RangingFilterSettings::receiver_acceleration) about constant velocity relative
+/// to the Earth; no inertial measurement or barometer is used, not even for initialisation: it starts at a single-point
+/// solution from four satellites. Clock, slow errors, tests and exclusions are those of the tight filter, whose error states
+/// are used with attitude and sensor errors known. After ten seconds with fewer than four ranges it stops, and restarts with
+/// four.
 class ReceiverFilter {
 public:
     ReceiverFilter(const Settings& settings, const RangingLog& log);
     ReceiverFilter(const ReceiverFilter&) = delete;  // its parts refer to each other
     ReceiverFilter& operator=(const ReceiverFilter&) = delete;
 
-    /// Uses an epoch's ranges (those that are not withheld). True where there is an estimate.
+    /// Processes an epoch's ranges (those not withheld). True if there is an estimate.
     bool process(const RangeEpoch& epoch, std::span<const RangeSample> samples);
-    /// The estimate at the last epoch: of the antenna, attitude NaN.
+    /// The estimate at the last epoch: at the antenna, attitude NaN.
     [[nodiscard]] SolutionRow row() const;
-    /// Its covariance of the position, north, east, down, m^2.
+    /// Covariance of its position, north, east, down, m^2.
     [[nodiscard]] Eigen::Matrix3d position_covariance() const;
-    /// The last epoch's ranges determine a position by themselves.
+    /// True if the last epoch's ranges alone determine a position.
     [[nodiscard]] bool determined() const { return determined_; }
-    /// Most of the last epochs' ranges contradict this filter itself.
+    /// True if most ranges of the last epochs contradict this filter itself.
     [[nodiscard]] bool doubtful() const { return tracking_.work.disagreeing > 0; }
 
 private:

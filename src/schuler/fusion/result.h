@@ -1,4 +1,4 @@
-// What fusing one data set gives.
+// Results of processing one data set.
 #pragma once
 
 #include "schuler/filter/result.h"

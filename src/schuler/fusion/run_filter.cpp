@@ -27,7 +27,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// With what the smoother cannot run: its way back needs every correction of the estimate to be an optimal update.
+/// Settings incompatible with the smoother: its backward pass requires every correction of the estimate to be an optimal update.
 const char* unsmoothable(const Settings& s) {
     if (s.coupling == Coupling::Separate) return "with the separate scheme, whose gains are not those of a filter";
     if (s.loose_kind == LooseKind::Aggressive && s.coupling == Coupling::Loose)
@@ -39,7 +39,7 @@ const char* unsmoothable(const Settings& s) {
     return nullptr;
 }
 
-/// With what there is no filter backward in time.
+/// Settings incompatible with the filter backward in time.
 const char* irreversible(const Settings& s) {
     if (s.coupling == Coupling::Separate) return "with the separate scheme, whose gains are not those of a filter";
     if (s.coupling == Coupling::Deep) return "with deep coupling, whose receiver cannot be taken back";
@@ -64,7 +64,7 @@ void check_settings(const Settings& s) {
                           "give hertz, or 0 for every IMU epoch");
 }
 
-/// Times of both sensors must meet.
+/// The times of both sensors must overlap.
 void check_overlap(const Recording& recording, const InitialSettings& initial, WarningLog& warnings) {
     if (recording.imu.empty())
         throw input_error("there are no IMU samples", {.file = {}, .key = "imu"}, "name the IMU log in [imu] file");
@@ -74,7 +74,7 @@ void check_overlap(const Recording& recording, const InitialSettings& initial, W
     if (gnss0 <= imu1 && gnss1 >= imu0) return;
     const std::string what = fmt::format("IMU and GNSS do not overlap in time: IMU {:.3f} to {:.3f} s, GNSS {:.3f} to {:.3f} s",
                                          imu0, imu1, gnss0, gnss1);
-    // With a complete initial state the inertial unit can be mechanized alone, as a comparison of mechanizations wants it.
+    // With a complete initial state the inertial unit can be mechanized alone, for comparisons of mechanizations.
     if (std::isfinite(initial.position.lat) && std::isfinite(initial.rpy.z())) {
         warnings.add("time.overlap", what + "; inertial navigation alone from the given initial state");
         return;
@@ -82,18 +82,18 @@ void check_overlap(const Recording& recording, const InitialSettings& initial, W
     throw input_error(what, {.file = {}, .key = "time"}, "check the time columns and scales; `schuler inspect` shows the spans");
 }
 
-/// The settings of a run that finds what this one has found by being told.
+/// Settings that reproduce this run with its estimated values as given ones.
 Settings in_force(Settings settings) {
     settings.imu.estimate_mounting = settings.imu.estimate_noise = false;
     settings.gnss.estimate_latency = settings.gnss.estimate_std = false;
     return settings;
 }
 
-/// s, one sigma of a latency that nothing is known of yet.
+/// s, one sigma of a latency without any information.
 constexpr double unmeasured_latency = 0.15;
 
-/// One sigma of a latency: where it was fitted, twice what the rise of the likelihood says, which takes innovations for independent,
-/// within what the fits are good for.
+/// One sigma of a latency: if it was fitted, twice the value from the likelihood, which assumes independent innovations, within
+/// the accuracy of such fits.
 double latency_std(const char* key, double given, const Findings& findings) {
     const auto tuned = std::ranges::find(findings.tuned, key, &TunedSetting::key);
     if (tuned == findings.tuned.end()) return given;
@@ -135,12 +135,12 @@ void check_input(const Recording& recording, const Settings& settings, WarningLo
 
 namespace {
 
-/// Zero of the times that a user gives: the first fix.
+/// Zero of the times given by a user: the first fix.
 Time origin_of(const Recording& recording) {
     return recording.gnss.empty() ? recording.imu.front().time : recording.gnss.front().time;
 }
 
-/// Sources of ranges that the watch found wrong, and from when on.
+/// Reports sources of ranges found faulty by the watch, with their start times.
 void tell_faults(const Result& result, const Recording& recording, WarningLog& warnings) {
     std::map<int, std::pair<Time, int>> found;
     for (const ProtectionRow& row : result.forward.protection)
@@ -189,7 +189,7 @@ Result run_leg(const Recording& recording, const Settings& given, WarningLog& wa
     Start start = find_start(data, untuned, findings, warnings);
     if (tuning) {
         tune(data, settings, start, screen, findings, warnings);
-        data.still = find_still(data.imu, recording, data.events, settings);  // whose fixes have moved in time
+        data.still = find_still(data.imu, recording, data.events, settings);  // its fixes have shifted in time
         settings.gnss.latency_std = latency_std("gnss.latency_s", settings.gnss.latency_std, findings);
         settings.gnss.velocity_latency_std = latency_std("gnss.velocity_latency_s", settings.gnss.velocity_latency_std, findings);
         start = find_start(data, settings, findings, warnings);
@@ -197,13 +197,13 @@ Result run_leg(const Recording& recording, const Settings& given, WarningLog& wa
     if (settings.imu.estimate_mounting) {
         const MountingEstimate mounting = estimate_mounting(data, settings, start);
         if (mounting.found) {
-            // everything again in the vehicle's axes, as if they had been given
+            // everything is repeated in the vehicle's axes, as if they had been given
             const Vector3d rpy = math::rpy_from_dcm(mounting.C_vb * math::dcm_from_rpy(settings.imu.mounting_rpy));
             settings.imu.mounting_rpy = rpy.unaryExpr([](double angle) { return as_written(angle, units::deg); });
             settings.imu.mounting_std = as_written(std::max(0.01, 2.0 * mounting.std_rpy.z()), units::deg);
             findings.std_mounting_rpy = mounting.std_rpy;
             settings.imu.found_mounting_std = as_written(mounting.std_rpy.tail<2>().maxCoeff(), units::deg);
-            WarningLog heard;  // already, of the first time
+            WarningLog heard;  // warnings already issued the first time
             data.imu = make_imu_timeline(recording.imu, settings.imu, heard);
             data.still = find_still(data.imu, recording, data.events, settings);
             start = find_start(data, settings, findings, heard);
@@ -220,7 +220,7 @@ Result run_leg(const Recording& recording, const Settings& given, WarningLog& wa
     findings.heading = math::rpy_from_quaternion(start.nav.q_nb).z();
     findings.std_heading = start.std_rpy.z();
     findings.in_force = std::make_shared<const Settings>(in_force(settings));
-    data.instants = settings.output_instants;  // only now: trials do not stop there
+    data.instants = settings.output_instants;  // set only now: trials do not stop there
     PassOptions options;
     options.smooth = settings.smooth;
     options.last_increment = last_increment(data, settings);
@@ -264,15 +264,15 @@ Result run_leg(const Recording& recording, const Settings& given, WarningLog& wa
     return result;
 }
 
-/// Settings for a part of a recording whose origin is another one.
+/// Settings for a part of a recording with a different origin.
 Settings moved(Settings settings, const Recording& whole, const Recording& part) {
     const double seconds = (origin_of(part) - origin_of(whole)).seconds();
     for (Outage& o : settings.outages) o.start -= seconds;
     return settings;
 }
 
-/// What came before an alignment anew at `since`: with the settings that the rest found, and where the headings disagree, from the one
-/// that the rest shows. Nothing where it is too short.
+/// The part before a realignment at `since`: with the settings found for the remainder, and if the headings disagree, with that
+/// derived from the remainder. Empty if it is too short.
 std::optional<Result> run_before(const Recording& recording, Time since, const Settings& settings, const Result& rest,
                                  const Progress& progress, WarningLog& warnings) {
     const Recording part = part_of(recording, Time{INT64_MIN}, since);
@@ -298,11 +298,11 @@ std::optional<Result> run_before(const Recording& recording, Time since, const S
     }
 }
 
-/// A run; where it diverged from the fixes, the part before that and one aligned anew there, in motion, if that one explains the fixes.
+/// A run; if it diverged from the fixes, the part before that and one realigned there, in motion, if the latter explains the fixes.
 Result run_realigned(const Recording& recording, const Settings& given, WarningLog& warnings, const Progress& progress,
                      const RowSink& rows, const ReceiverInLoop& receiver, int attempts = 3) {
     Result result = run_leg(recording, given, warnings, progress, rows, receiver);
-    // rows that are written already stay
+    // rows already written cannot be changed
     if (attempts == 0 || rows || receiver || !may_realign(given)) return result;
     const std::optional<Time> since = diverged_at(result);
     if (!since) return result;
@@ -313,7 +313,7 @@ Result run_realigned(const Recording& recording, const Settings& given, WarningL
     std::optional<Result> found;
     try {
         found = run_realigned(rest, anew, heard, progress, {}, {}, attempts - 1);
-    } catch (const Error&) {  // nothing to start from
+    } catch (const Error&) {  // no initial state available
         return result;
     }
     if (!explains(*found, result, *since)) return result;
@@ -359,7 +359,7 @@ Result run_filter(const Recording& recording, const Settings& given, WarningLog&
                 append(*all, std::move(r));
                 continue;
             }
-            if (r.findings.in_force) {  // of the whole log
+            if (r.findings.in_force) {  // for the whole log
                 auto whole = std::make_shared<Settings>(*r.findings.in_force);
                 whole->outages = given.outages;
                 r.findings.in_force = std::move(whole);

@@ -1,4 +1,4 @@
-// A run of any scheme: preparation, start-up, forward filter, smoother.
+// A run with any scheme: preparation, start-up, forward filter, smoother.
 #pragma once
 
 #include "schuler/core/log.h"
@@ -12,20 +12,20 @@
 
 namespace schuler::fusion {
 
-/// Throws Error(Input) where settings and recording cannot give a run: settings out of range, logs without time in common, no fix to
+/// Throws Error(Input) if settings and recording do not permit a run: settings out of range, logs without common time, no fix to
 /// start from.
 void check_input(const Recording& recording, const Settings& settings, WarningLog& warnings);
 
-/// Reports progress in [0, 1]; called at most some hundred times a run.
+/// Reports progress in [0, 1]; called at most about a hundred times per run.
 using Progress = std::function<void(double)>;
 
-/// Takes the rows of the forward solution in their order, some hundred at a time, while the filter goes on.
+/// Receives the rows of the forward solution in order, about a hundred at a time, while the filter continues.
 using RowSink = std::function<void(std::span<const SolutionRow>)>;
 
-/// Fuses one recording with the scheme of the settings. Where `rows` is given the forward rows go there and of them only the first
-/// and the last are in the result: a long log at every epoch then needs no memory for them. Throws Error(Input) where the data
-/// cannot be used (no overlap, no fixes, no start) and Error(Computation) where the filter diverges (time and channel named).
-/// `receiver`: takes part in a tight, medium or deep run, whose ranges are then its own and not the recording's. Deep needs one.
+/// Processes one recording with the scheme of the settings. If `rows` is given, it receives the forward rows and the result has
+/// only the first and the last of them, to save memory for a long log at every epoch. Throws Error(Input) if the data cannot be
+/// used (no overlap, no fixes, no start) and Error(Computation) if the filter diverges (with time and channel). `receiver`: takes
+/// part in a tight, intermediate or deep run, whose ranges are then its own and not the recording's. Required for Deep.
 [[nodiscard]] Result run_filter(const Recording& recording, const Settings& settings, WarningLog& warnings,
                                 const Progress& progress = {}, const RowSink& rows = {}, const ReceiverInLoop& receiver = {});
 

@@ -17,11 +17,11 @@ namespace {
 
 using estim::StateAdjoint;
 
-/// One stretch of the smoother: this many increments are replayed at once.
+/// One segment of the smoother: number of increments replayed at once.
 constexpr std::size_t stretch = 512;
 
-/// What the filter tells a receiver after `last`, which followed `before`: their means tell the force at the end of the last and
-/// how it changes.
+/// Data passed from the filter to a receiver after `last`, which followed `before`: their means give the force at the end of the
+/// last and its rate of change.
 template <class Frame>
 ReceiverAiding aiding_of(const InertialModel& model, const FilterRun<Frame>& run, const Settings& settings,
                          const ImuIncrement& before, const ImuIncrement& last) {
@@ -43,7 +43,7 @@ ReceiverAiding aiding_of(const InertialModel& model, const FilterRun<Frame>& run
     return g;
 }
 
-/// The rows of a result go to the sink as they are made; the first and the last stay.
+/// Passes the rows of a result to the sink as they are formed; keeps the first and the last.
 class HandOver {
 public:
     HandOver(std::vector<SolutionRow>& rows, const RowSink& sink) : rows_(rows), sink_(sink) {}
@@ -64,7 +64,7 @@ private:
     std::optional<SolutionRow> first_, last_;
 };
 
-/// The way back over the checkpoints of a run.
+/// The backward pass over the checkpoints of a run.
 template <class Frame>
 void smooth_back(const Pass<Frame>& pass, const InertialModel& model, const Settings& settings, double imu_interval,
                  const std::vector<FilterRun<Frame>>& checkpoints, std::size_t end, std::size_t block, const Progress& progress,
@@ -94,7 +94,7 @@ void smooth_back(const Pass<Frame>& pass, const InertialModel& model, const Sett
             out.parameters.push_back(parameter_row(point.time, model.layout, parameters, f.P));
             return;
         }
-        // An outage epoch: the same measurement against the smoothed state, to first order in the correction.
+        // An outage epoch: the same measurement compared with the smoothed state, to first order in the correction.
         const Measurement m = point.filter.to_own(model, point.measurement);
         const StateVector dx = -(point.filter.P * a.lambda);
         OutageEpoch epoch = point.outage;
@@ -117,7 +117,7 @@ void smooth_back(const Pass<Frame>& pass, const InertialModel& model, const Sett
     std::ranges::reverse(out.outage_epochs);
 }
 
-/// The run again, by the hypotheses that were right in the end.
+/// Repeats the run with the hypotheses that were finally accepted.
 template <class Frame>
 std::vector<FilterRun<Frame>> checkpoints_of(const Pass<Frame>& pass, FilterRun<Frame> run, std::size_t end) {
     std::vector<FilterRun<Frame>> checkpoints;
@@ -159,7 +159,7 @@ Result run_in(const RunData& data, const Settings& settings, const Start& start,
         if (options.receiver) {
             const auto back = [&](std::size_t n) -> const ImuIncrement& { return data.imu.increments[last - std::min(last, n)]; };
             pass.propagate_covariance(run,
-                                      collector);  // sigmas that do not grow while nothing is received would look where it was
+                                      collector);  // sigmas that do not grow without reception would predict the wrong place
             options.receiver(aiding_of(model, run, settings, back(2), back(1)), back(0).time);
         }
         pass.advance(run, last, collector);
@@ -177,7 +177,7 @@ Result run_in(const RunData& data, const Settings& settings, const Start& start,
     return result;
 }
 
-/// Log-likelihood of the accepted and rejected GNSS innovations; far ones count as far, not infinitely far.
+/// Log-likelihood of the accepted and rejected GNSS innovations, with a limited contribution of outliers.
 template <class Frame>
 struct StartTape : Tape<Frame> {
     using Tape<Frame>::Tape;
@@ -209,7 +209,7 @@ StartEstimate smooth_start(const RunData& data, const Settings& settings, const 
     FilterRun<Frame> run = first_step<Frame>(model, data, settings, start);
     InertialFilter<Frame> first = run.filter;
     run.next_output = Time{INT64_MAX};
-    StartTape<Frame> tape(model);  // a start is short: one stretch
+    StartTape<Frame> tape(model);  // a start is short: one segment
     pass.advance(run, std::min(last_increment, data.imu.increments.size() - 1), tape);
     StateAdjoint adjoint(estim::padded(model.layout.size));
     tape.rewind(adjoint, [](auto, const auto&, const auto&) {});

@@ -1,4 +1,4 @@
-// One complete pass of a filter along prepared data: forward, and backward if asked for.
+// One complete pass of a filter along prepared data: forward, and backward if requested.
 #pragma once
 
 #include "schuler/filter/states/model.h"
@@ -6,7 +6,7 @@
 
 namespace schuler::fusion {
 
-/// Told after each epoch of ranges: the epoch, the antenna's place, the covariance of the position north, east, down, m^2.
+/// Called after each epoch of ranges: the epoch, the antenna position, its covariance north, east, down, m^2.
 using AfterRanges = std::function<void(const RangeEpoch&, const Geodetic&, const Eigen::Matrix3d&)>;
 
 /// Options of one pass.
@@ -15,17 +15,17 @@ struct PassOptions {
     bool smooth = false;
     std::size_t last_increment = SIZE_MAX;
     Progress progress;
-    RowSink rows;  ///< takes the forward rows instead of the result
+    RowSink rows;  ///< receives the forward rows instead of the result
     std::function<void(const ReceiverAiding& aiding, Time until)>
-        receiver;  ///< makes the recording's ranges while the filter runs
+        receiver;  ///< generates the recording's ranges while the filter runs
     AfterRanges after_ranges;
     Rivalry rivalry = Rivalry::Contest;
 };
 
-/// Runs it. @throws Error(Input): a coupling by ranges, and there are none.
+/// Runs the pass. @throws Error(Input): a coupling by ranges without any ranges.
 [[nodiscard]] Result run_pass(const RunData& data, const Settings& settings, const Start& start, const PassOptions& options);
 
-/// Smoothed state at the start of a pass (for start-up): what the data up to `last_increment` say about it.
+/// Smoothed state at the start of a pass (for start-up) from the data up to `last_increment`.
 struct StartEstimate {
     NavState nav;
     Eigen::Vector3d std_rpy;

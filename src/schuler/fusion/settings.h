@@ -1,10 +1,10 @@
-// Everything a run can be given: its settings.
+// The settings of a run.
 #pragma once
 
 #include "schuler/filter/settings.h"
 
 namespace schuler::fusion {
 
-using namespace filter;  // NOLINT: a run's settings are those of its filter, and what the start-up adds to them
+using namespace filter;  // NOLINT: a run's settings are those of its filter, extended by the start-up
 
 }  // namespace schuler::fusion

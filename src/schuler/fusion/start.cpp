@@ -19,7 +19,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// The first fix to start from: not withheld, horizontal position known, inside the IMU's time.
+/// The first fix usable for a start: not withheld, horizontal position known, within the IMU's time.
 const Event* first_fix(const RunData& data, const Settings& settings) {
     const ImuIncrement& front = data.imu.increments.front();
     Time from = front.time - Duration::from_seconds(front.dt);
@@ -32,7 +32,7 @@ const Event* first_fix(const RunData& data, const Settings& settings) {
     return nullptr;
 }
 
-/// Mean raw rate and specific force while still from the start on; length 0 where it does not stand.
+/// Mean raw rate and specific force in an initial standstill; length 0 if there is none.
 struct StillStart {
     double length = 0.0;
     Vector3d rate = Vector3d::Zero(), force = Vector3d::Zero();
@@ -69,7 +69,7 @@ Vector3d mean_force(const RunData& data, std::size_t first, double span) {
     return sum / t;
 }
 
-/// Acceleration of the vehicle (NED) from GNSS velocities around an instant; zero where there are none.
+/// Acceleration of the vehicle (NED) from GNSS velocities around an instant; zero if there are none.
 Vector3d gnss_acceleration(const RunData& data, Time at) {
     const GnssFix* first = nullptr;
     Time t0{};
@@ -87,7 +87,7 @@ Vector3d gnss_acceleration(const RunData& data, Time at) {
     return Vector3d::Zero();
 }
 
-/// When the vehicle first really moves: a second of GNSS speed above a limit that noise does not reach.
+/// First actual motion of the vehicle: a second of GNSS speed above a limit not reached by noise.
 Time first_motion(const RunData& data, Time from) {
     int run = 0;
     Time since{};
@@ -114,7 +114,7 @@ Time first_motion(const RunData& data, Time from) {
     return data.imu.increments.back().time;
 }
 
-/// Level at the start: at rest from the mean specific force, moving from what the gyros carry or else from the first moments.
+/// Level at the start: at rest from the mean specific force, in motion from that carried by the gyros or from the first moments.
 Level level_of(const RunData& data, const Settings& settings, const Start& start, const StillStart& still) {
     const double g = earth::gravity_down(settings.earth.gravity, start.nav.position.lat, start.nav.position.h);
     const double by_bias = 1.5 * start.std_accel_bias.maxCoeff() / g;
@@ -136,7 +136,7 @@ std::optional<HeadingWitness> magnetic_heading(const RunData& data, const Settin
     return std::nullopt;
 }
 
-/// By the first sample of a sensor of the heading within seconds of the start.
+/// From the first sample of a heading sensor within seconds of the start.
 std::optional<HeadingWitness> sensed_heading(const RunData& data, const Settings& settings, Time t0) {
     constexpr double latest = 5.0;  // s
     if (!settings.heading.use) return std::nullopt;
@@ -149,7 +149,7 @@ std::optional<HeadingWitness> sensed_heading(const RunData& data, const Settings
     return std::nullopt;
 }
 
-/// The better of the instruments that show a heading.
+/// The more accurate of the instruments that measure heading.
 std::optional<HeadingWitness> shown_heading(const RunData& data, const Settings& settings, Time t0, const Level& level) {
     const std::optional<HeadingWitness> sensor = sensed_heading(data, settings, t0),
                                         compass = magnetic_heading(data, settings, t0, level);
@@ -163,9 +163,9 @@ void set_biases(Start& start, const Settings& settings) {
     start.std_accel_bias = Vector3d::Constant(settings.imu.errors.accel_initial_bias());
 }
 
-/// Velocity from the positions of the first second or two, and its sigma; sigmas are infinite where fixes are too far apart.
+/// Velocity from the positions of the first second or two, and its sigma; sigmas are infinite if fixes are too far apart.
 std::pair<Vector3d, Vector3d> velocity_by_positions(const RunData& data, const Settings& settings, const Event& first) {
-    constexpr double least = 0.95, most = 3.0, accel = 2.0;  // s, s, m/s^2: what a vehicle may accelerate by meanwhile
+    constexpr double least = 0.95, most = 3.0, accel = 2.0;  // s, s, m/s^2: possible acceleration of the vehicle in that time
     const GnssFix& from = data.recording->gnss[first.index];
     for (const Event& e : data.events) {
         const double dt = (e.valid - first.valid).seconds();
@@ -178,7 +178,7 @@ std::pair<Vector3d, Vector3d> velocity_by_positions(const RunData& data, const S
     return {Vector3d::Zero(), Vector3d::Constant(std::numeric_limits<double>::infinity())};
 }
 
-/// Position, velocity and time; attitude is left to the caller.
+/// Position, velocity and time; attitude is set by the caller.
 void set_position(Start& start, const RunData& data, const Settings& settings) {
     const InitialSettings& given = settings.initial;
     const Event* fix_event = first_fix(data, settings);
@@ -268,7 +268,7 @@ Start found_start(const RunData& data, const Settings& settings, Findings& findi
     const double level_std = level.std;
     findings.aligned_at = t0;
 
-    // A heading by the direction of travel is as late as that.
+    // A heading from the direction of travel has the same latency.
     const double course_rate = [&] {
         constexpr double slowest = 2.0;  // m/s
         const Eigen::Vector2d v = start.nav.v_eb_n.head<2>(), a = start.velocity_rate.head<2>();
@@ -302,22 +302,22 @@ Start found_start(const RunData& data, const Settings& settings, Findings& findi
                       fmt::format("gyrocompassing over {:.0f} s, heading to {:.2f} deg", still.length, std / units::deg));
     }
     if (standing && start.std_gyro_bias.maxCoeff() > w_ie) {
-        // At rest the mean rate is the bias, but for the Earth's rate.
+        // At rest the mean rate is the bias plus the Earth rate.
         start.gyro_bias = still.rate;
         start.std_gyro_bias.setConstant(w_ie + settings.imu.errors.gyro_noise / std::sqrt(still.length) +
                                         0.2 * settings.imu.errors.gyro_bias);
     }
 
-    // Beyond `linear` a linearised filter believes to learn what it does not: what it then says is not all that is reported. It starts
-    // from no more than `open`, so that it can follow what it is shown later.
+    // Beyond `linear` a linearised filter becomes overconfident: its own covariance is not all that is reported. Its initial
+    // sigma is limited to `open`, so that it can follow later information.
     constexpr double linear = 15.0 * units::deg, open = 40.0 * units::deg;
     constexpr double unknown = 100.0 * units::deg;
-    std::optional<double> tried;  // the best of headings that all fit alike
+    std::optional<double> tried;  // the best of equally likely headings
     const std::optional<HeadingWitness> shown = shown_heading(data, settings, t0, level);
     const Time motion = first_motion(data, t0);
     if (motion < data.imu.increments.back().time - Duration::from_seconds(3.0)) {
         Start trial = start;
-        // A long stand before the first motion says nothing about the heading: the trials begin shortly before the motion.
+        // A long standstill before the first motion gives no heading information: the trials begin shortly before the motion.
         const double wait = (motion - t0).seconds();
         const bool late = standing && wait > 30.0 && still.length > wait - 10.0;
         if (late) {
@@ -327,7 +327,7 @@ Start found_start(const RunData& data, const Settings& settings, Findings& findi
         }
         const HeadingSearch search = search_heading(data, settings, trial, level, motion, shown);
         const Vector3d rpy = math::rpy_from_quaternion(search.best.nav.q_nb);
-        // Errors count from here on, however long the search looks on: it ends where it begins.
+        // Errors are evaluated from here on, for any duration of the search: it ends where it begins.
         const Time until = std::min(search.until, std::max(motion, t0) + Duration::from_seconds(120.0));
         if (search.decided) {
             findings.aligned_at = until;
@@ -353,7 +353,7 @@ Start found_start(const RunData& data, const Settings& settings, Findings& findi
             findings.aligned_at = until;
             if (!standing) start.gyro_bias = search.best.gyro_bias;
             if (!standing) start.heading_rate = course_rate;
-            const double std = 1.5 * search.std;  // the tails are longer than a Gaussian's
+            const double std = 1.5 * search.std;  // the tails are longer than those of a Gaussian
             const auto sentence = [&](double heading, const char* which) {
                 return fmt::format(
                     "heading {:.0f} deg at the start, to {:.0f} deg: the {} of what the first {:.0f} s do not refute",
@@ -371,7 +371,7 @@ Start found_start(const RunData& data, const Settings& settings, Findings& findi
     double top_speed = 0.0;
     for (const GnssFix& fix : data.recording->gnss)
         if (fix.velocity_n.allFinite()) top_speed = std::max(top_speed, fix.velocity_n.norm());
-    // Without motion: an instrument if there is one, otherwise unknown.
+    // Without motion: from an instrument if there is one, otherwise unknown.
     if (shown && !std::isfinite(given.rpy.z())) {
         start.heading_of_mag = shown->by_mag;
         start.heading_of_sensor = !shown->by_mag;
@@ -400,7 +400,7 @@ Start found_start(const RunData& data, const Settings& settings, Findings& findi
 
 Start find_start(const RunData& data, const Settings& settings, Findings& findings, WarningLog& warnings) {
     Start start = found_start(data, settings, findings, warnings);
-    // The acceleration by which the fixes' latency counts from here on; another one would seem to tell something of it.
+    // The acceleration in which the fixes' latency is effective from here on; another one would appear as information about it.
     constexpr double span = 0.1;  // s
     const Vector3d g_n = earth::terms_at(settings.earth, start.nav.position, start.nav.v_eb_n).g_n;
     const Vector3d acceleration = start.nav.q_nb * mean_force(data, start.increment, span) + g_n;

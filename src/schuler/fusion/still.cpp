@@ -29,13 +29,13 @@ std::vector<Slot> make_slots(const ImuTimeline& imu) {
             s.end = start + Duration::from_seconds(slot_length * static_cast<double>(slots.size() + 1));
             slots.push_back(s);
         }
-        if (bridge < imu.bridges.size() && imu.bridges[bridge].first <= i) continue;  // interpolated: looks still, is not
+        if (bridge < imu.bridges.size() && imu.bridges[bridge].first <= i) continue;  // interpolated: not a real standstill
         slots[k].add(inc);
     }
     return slots;
 }
 
-/// GNSS speed per slot: from velocities, else from differences of precise positions.
+/// GNSS speed per slot: from velocities, or else from differences of precise positions.
 void add_speeds(std::vector<Slot>& slots, const Recording& recording, const std::vector<Event>& events,
                 const Settings& settings) {
     if (slots.empty()) return;
@@ -76,8 +76,8 @@ double quantile(std::vector<double>& x, double q) {
     return x[static_cast<std::size_t>(k)];
 }
 
-/// Positions whose noise is metres show a slow speed only over some seconds: the means of ten seconds before and after. False where
-/// there is no need, or none can be told.
+/// Positions with metre-level noise show a low speed only over some seconds: uses the means of ten seconds before and after.
+/// False if not required, or not possible.
 bool add_slow_speeds(std::vector<Slot>& slots, const Recording& recording, const std::vector<Event>& events,
                      const Settings& settings) {
     constexpr double half = 10.0, sharp = 0.1;  // s, m/s
@@ -90,7 +90,7 @@ bool add_slow_speeds(std::vector<Slot>& slots, const Recording& recording, const
     for (const Event& e : events) {
         if (e.withheld || e.kind != AidKind::GnssPosition || (e.components & 3) != 3) continue;
         const GnssFix& fix = recording.gnss[e.index];
-        if (fix.velocity_n.head<2>().allFinite()) return false;  // they tell more
+        if (fix.velocity_n.head<2>().allFinite()) return false;  // more accurate
         if (first == nullptr) first = &fix;
         points.push_back({(e.valid - slots.front().end).seconds() + slot_length,
                           earth::ned_difference(settings.earth, fix.position, first->position).head<2>()});
@@ -100,7 +100,7 @@ bool add_slow_speeds(std::vector<Slot>& slots, const Recording& recording, const
     for (std::size_t i = 2; i < points.size(); ++i)
         second.push_back((points[i].p - 2.0 * points[i - 1].p + points[i - 2].p).cwiseAbs().maxCoeff());
     const double white =
-        quantile(second, 0.5) / 1.05 / std::sqrt(6.0);  // the larger of two normal deviates' sizes has the median 1.05 sigma
+        quantile(second, 0.5) / 1.05 / std::sqrt(6.0);  // the larger of two normal deviates' magnitudes has the median 1.05 sigma
     bool told = false;
     std::size_t low = 0, middle = 0, high = 0;
     Eigen::Vector2d before = Eigen::Vector2d::Zero(), after = before;
@@ -122,8 +122,8 @@ bool add_slow_speeds(std::vector<Slot>& slots, const Recording& recording, const
     return told;
 }
 
-/// Velocities made of range rates are too noisy to show rest one by one: speeds of their means over some seconds instead, where those are
-/// sharp enough.
+/// Velocities from range rates are individually too noisy to detect rest: uses the magnitudes of their means over some seconds,
+/// if those are sufficiently accurate.
 void set_mean_speeds(std::vector<Slot>& slots, const Recording& recording, const std::vector<Event>& events) {
     constexpr double half = 10.0, sharp = 0.05;  // s, m/s
     struct Point {
@@ -156,7 +156,7 @@ void set_mean_speeds(std::vector<Slot>& slots, const Recording& recording, const
     }
 }
 
-/// A quarter above the agitation of the slots that are calm by their speeds; zero where there are too few.
+/// A quarter above the variation of the slots that are calm according to their speeds; zero if there are too few.
 StillThresholds calm_thresholds(const std::vector<Slot>& slots) {
     std::vector<double> force, rate;
     for (std::size_t i = 0; i < slots.size(); ++i) {
@@ -174,14 +174,14 @@ StillThresholds calm_thresholds(const std::vector<Slot>& slots) {
     return {false, 1.25 * quantile(force, 0.95), 1.25 * quantile(rate, 0.95)};
 }
 
-/// `share` of the moving slots that may pass for still, because their speeds hide short stops.
+/// `share` of the moving slots may be classified as standstill, because their speeds do not resolve short stops.
 StillThresholds learn(const std::vector<Slot>& slots, double share) {
     StillThresholds t = calm_thresholds(slots);
     if (!(t.force_std > 0.0)) return {};
     std::vector<const Slot*> moving;
     for (const Slot& s : slots)
         if (s.speed > 0.5 && std::isfinite(s.force_std)) moving.push_back(&s);
-    // Shrink until practically no moving slot passes; give up if the two cannot be told apart.
+    // Reduce until practically no moving slot passes; give up if the two cannot be separated.
     const double allowed = share * static_cast<double>(moving.size());
     for (int i = 0; i < 12; ++i) {
         const auto wrong = std::count_if(moving.begin(), moving.end(),
@@ -198,11 +198,11 @@ StillThresholds learn(const std::vector<Slot>& slots, double share) {
 
 constexpr double no_limit = std::numeric_limits<double>::infinity(), slow_mean = 0.1;  // m/s
 
-/// Still windows; with a `limit` (m/s) only where a speed is known and below it.
+/// Standstill windows; with a `limit` (m/s) only if a speed is known and below it.
 std::vector<StillWindow> windows_of(const std::vector<Slot>& slots, const StillThresholds& thresholds, const Settings& settings,
                                     double limit) {
     std::vector<StillWindow> windows;
-    // Aircraft hover and ships drift without the IMU noticing: they stand still only before they first move.
+    // Aircraft hover and ships drift without the IMU sensing it: standstill is accepted only before the first motion.
     const bool until_first_motion = settings.vehicle == VehicleKind::Air || settings.vehicle == VehicleKind::Hand;
     if (settings.vehicle == VehicleKind::Ship) return windows;
     const double largest_rate = largest_still_rate(settings.vehicle);
@@ -228,7 +228,7 @@ StillReport find_still(const ImuTimeline& imu, const Recording& recording, const
     const bool coarse = add_slow_speeds(slots, recording, events, settings);
     report.thresholds = learn(slots, coarse ? 0.25 : 0.001);
     if (report.thresholds.learnt) report.windows = windows_of(slots, report.thresholds, settings, no_limit);
-    // Where the agitation tells nothing, ranges by themselves can: a stop that their speeds show.
+    // If the variation is not sufficient, ranges alone can be: a stop shown by their speeds.
     if (report.windows.empty() && uses_ranges(settings.coupling) && !recording.ranges.empty() && !slots.empty()) {
         set_mean_speeds(slots, recording, events);
         const StillThresholds calm = calm_thresholds(slots);

@@ -1,5 +1,5 @@
-// When did the body stand still? Decided from the IMU's own agitation, with thresholds learnt from the GNSS speed; with ranges alone, whose
-// velocities are noisy, from the means of those too.
+// Detection of standstill from the variation of the IMU data, with thresholds learnt from the GNSS speed; with ranges alone,
+// whose velocities are noisy, also from the means of these velocities.
 #pragma once
 
 #include "schuler/core/samples.h"
@@ -10,7 +10,7 @@
 
 namespace schuler::fusion {
 
-/// Finds the still windows. Only epochs of `events` that are not withheld teach the thresholds.
+/// Finds the standstill windows. Only epochs of `events` that are not withheld are used to learn the thresholds.
 [[nodiscard]] StillReport find_still(const ImuTimeline& imu, const Recording& recording, const std::vector<Event>& events,
                                      const Settings& settings);
 

@@ -45,7 +45,7 @@ std::vector<ImuIncrement> intervals_of(const std::vector<ImuSample>& samples, co
     return intervals;
 }
 
-/// Mean squares, over the log, of the error of interpolating rate and specific force half way through a hole of a length.
+/// Mean squares, over the log, of the error of interpolating rate and specific force to the middle of a gap of a given length.
 Agitation interpolation_error(const std::vector<ImuIncrement>& intervals, double hole, double median_dt) {
     const auto half =
         static_cast<std::size_t>(std::clamp(0.5 * hole / median_dt, 1.0, 0.25 * static_cast<double>(intervals.size())));
@@ -62,7 +62,7 @@ Agitation interpolation_error(const std::vector<ImuIncrement>& intervals, double
     return e;
 }
 
-/// How much rate and specific force vary around a hole, mean square about the mean over a second each side.
+/// Variation of rate and specific force around a gap, mean square about the mean over a second on each side.
 Agitation agitation_around(const std::vector<ImuIncrement>& intervals, std::size_t i, double median_dt) {
     const auto reach = static_cast<std::size_t>(std::clamp(1.0 / median_dt, 4.0, 2000.0));
     const std::size_t first = i > reach ? i - reach : 0, last = std::min(intervals.size() - 1, i + reach);
@@ -80,7 +80,7 @@ Agitation agitation_around(const std::vector<ImuIncrement>& intervals, std::size
     return a;
 }
 
-/// The intervals with every hole among them filled by interpolation. Returns the longest gap, s.
+/// The intervals with every gap filled by interpolation. Returns the longest gap, s.
 double bridge(const std::vector<ImuIncrement>& intervals, const ImuSettings& settings, ImuTimeline& timeline) {
     const double nominal = timeline.median_dt;
     timeline.increments.reserve(intervals.size() + intervals.size() / 16);
@@ -120,7 +120,7 @@ ImuTimeline make_imu_timeline(const std::vector<ImuSample>& samples, const ImuSe
     if (holes) {
         longest = bridge(intervals, settings, timeline);
     } else {
-        timeline.increments = std::move(intervals);  // the usual case costs no second copy
+        timeline.increments = std::move(intervals);  // avoids a second copy in the usual case
     }
     const Doubts doubts = doubtful_stretches(timeline);
     const std::vector<Bridge>& doubtful = doubts.stretches;
@@ -134,7 +134,7 @@ ImuTimeline make_imu_timeline(const std::vector<ImuSample>& samples, const ImuSe
                         "they count with the noise of what departs there",
                         timeline.doubtful, timeline.doubtful == 1 ? "" : "s",
                         timeline.increments[doubtful.front().first].time.seconds()));
-    constexpr double throughout = 0.02;  // of the samples: beyond it no motion of this log is measured as it was
+    constexpr double throughout = 0.02;  // of the samples: above this fraction no motion in this log is undisturbed
     if (doubts.saturated > throughout)
         warnings.add(
             "imu.saturated",
@@ -157,8 +157,8 @@ ImuTimeline make_imu_timeline(const std::vector<ImuSample>& samples, const ImuSe
 
 namespace {
 
-/// The first epoch after an outage is compared before its own update: what of that epoch is older than its position (a velocity
-/// with a longer latency) must not have been used either.
+/// The first epoch after an outage is compared before its own update: components of that epoch older than its position (a
+/// velocity with a longer latency) must not have been used either.
 void withhold_before_ends(std::vector<Event>& events) {
     for (std::size_t i = 0; i < events.size(); ++i) {
         if (!events[i].outage_end || (events[i].components & 3) != 3) continue;
@@ -169,7 +169,7 @@ void withhold_before_ends(std::vector<Event>& events) {
     }
 }
 
-/// One event for each sample of a channel that is to be one.
+/// One event for each sample of a channel that qualifies.
 template <class Sample>
 void add_events(const std::vector<Sample>& samples, AidKind kind, std::uint8_t components, EventMaker& maker,
                 std::vector<Event>& events) {

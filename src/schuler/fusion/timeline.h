@@ -1,4 +1,4 @@
-// From a recording to what the filter walks along: body increments without holes, and measurements in order of validity.
+// From a recording to the input of the filter: body increments without gaps, and measurements in order of validity.
 #pragma once
 
 #include "schuler/core/log.h"
@@ -11,13 +11,13 @@
 
 namespace schuler::fusion {
 
-/// Makes increments (over (time - dt, time], body axes) from an IMU log: units, stamps, axes, mounting; duplicates dropped; holes
-/// bridged by interpolation and marked. Throws Error(Input) on fewer than two usable rows.
+/// Forms increments (over (time - dt, time], body axes) from an IMU log: units, stamps, axes, mounting; duplicates dropped; gaps
+/// bridged by interpolation and marked. Throws Error(Input) for fewer than two usable rows.
 [[nodiscard]] ImuTimeline make_imu_timeline(const std::vector<ImuSample>& samples, const ImuSettings& settings,
                                             WarningLog& warnings);
 
-/// Epochs of all instruments in order of validity, duplicates dropped, latencies applied, outages marked. origin: zero of the outages'
-/// times (stamp of the first GNSS epoch). screen: what is left out of the fixes.
+/// Epochs of all instruments in order of validity, duplicates dropped, latencies applied, outages marked. origin: zero of the
+/// outage times (stamp of the first GNSS epoch). screen: excluded parts of the fixes.
 [[nodiscard]] std::vector<Event> make_events(const Recording& recording, const Settings& settings, Time origin,
                                              WarningLog& warnings, const FixScreen& screen = {});
 

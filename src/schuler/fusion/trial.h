@@ -1,4 +1,4 @@
-// What the trials have in common by which start, mounting and noise are found: a filter with the states that matter to them, over a part of
+// Common basis of the trials that determine start, mounting and noise: a filter with the states relevant to them, over a part of
 // the data.
 #pragma once
 
@@ -8,13 +8,13 @@
 
 namespace schuler::fusion {
 
-/// Fifteen states and those of the instruments, closed loop, loose; no vehicle constraints, no integrity control, no smoother.
+/// Fifteen states and those of the instruments, closed loop, loose; no vehicle constraints, integrity control or smoother.
 [[nodiscard]] Settings plain_settings(const Settings& settings);
-/// Likewise with GNSS and standing still only, whose errors are white and whose times are known.
+/// The same with GNSS and zero-velocity updates only, with white errors and known latencies.
 [[nodiscard]] Settings trial_settings(const Settings& settings);
-/// The data without the events that such a trial has no states for.
+/// The data without the events for which such a trial has no states.
 [[nodiscard]] RunData gnss_only(const RunData& all);
-/// Index of the increment that holds a time.
+/// Index of the increment that contains a given time.
 [[nodiscard]] std::size_t increment_at(const RunData& data, Time t);
 
 }  // namespace schuler::fusion

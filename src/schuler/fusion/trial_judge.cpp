@@ -12,10 +12,10 @@
 namespace schuler::fusion {
 namespace {
 
-/// A receiver at rest says nothing of its errors in motion, nor a unit at rest of its own, and logs begin and end with minutes of it.
+/// Data at rest say little about a receiver's or unit's errors in motion, and logs begin and end with minutes of it.
 constexpr double weight_at_rest = 0.1;
 
-/// Trials run for five minutes; longer, up to twenty, where there was little motion until then: rest tells little of what comes after it.
+/// Trials run for five minutes, or up to twenty with little motion until then: data at rest are not representative of later ones.
 Time trial_end(const Recording& recording, Time begin) {
     constexpr double least = 300.0, most = 1200.0, least_moving = 240.0, slow = 2.0;  // s, m/s
     double moving = 0.0, last = 0.0;
@@ -60,17 +60,17 @@ double TrialJudge::cost(const Settings& settings, bool surroundings) {
     data_.events = make_events(*data_.recording, settings, data_.origin, unheard, screen_);
     data_.fix_noise = fix_noise(*data_.recording, settings.gnss, unheard);
     Settings trial = plain_settings(settings);
-    // What gains and axes make of turns is noise to nobody who knows them: without these states it would be taken for that, and for lateness.
+    // Errors due to gains and axes in turns would be taken for noise, and for latency, without these states.
     trial.scale_factors = settings.scale_factors;
     trial.misalignments = settings.misalignments;
-    trial.imu.gyro_noise_scale = trial.imu.accel_noise_scale = std::nullopt;  // of the noise that is sought
-    if (settings.gnss.estimate_latency) trial.gnss.latency_std = trial.gnss.velocity_latency_std = 0.0;  // it is sought itself
+    trial.imu.gyro_noise_scale = trial.imu.accel_noise_scale = std::nullopt;  // of the noise to be found
+    if (settings.gnss.estimate_latency) trial.gnss.latency_std = trial.gnss.velocity_latency_std = 0.0;  // to be found
     if (!surroundings) trial.baro.use = trial.mag.use = false;
     if (!surroundings)
         std::erase_if(data_.events, [](const Event& e) { return e.kind == AidKind::Baro || e.kind == AidKind::Mag; });
     PassOptions options;
     options.outputs = false;
-    options.rivalry = Rivalry::None;  // quicker, and a likelihood that does not hang on who wins when
+    options.rivalry = Rivalry::None;  // faster, and a likelihood independent of the outcome of contests
     options.last_increment = last_;
     const GnssSettings& g = settings.gnss;
     const Start start = with_later_fixes(start_, settings.earth, g.latency - latency_,
@@ -81,7 +81,7 @@ double TrialJudge::cost(const Settings& settings, bool surroundings) {
     std::size_t at = 0;
     for (const AidRecord& r : run.aids) {
         const bool counts = is_part_of_fix(r.kind) || r.kind == AidKind::Baro || r.kind == AidKind::Mag;
-        // By stamps, and away from the ends: the same samples, whatever the latency.
+        // By stamps, and away from the ends: the same samples for any latency.
         if (!counts || r.status == AidStatus::Withheld || (r.stamp - start_.nav.time).seconds() < first ||
             (stop() - r.stamp).seconds() < last)
             continue;
@@ -91,7 +91,7 @@ double TrialJudge::cost(const Settings& settings, bool surroundings) {
         for (int i = 0; i < 3; ++i) {
             if (!(r.sigma(i) > 0.0)) continue;
             const double x = std::abs(r.innovation(i)) / r.sigma(i);
-            // Huber's tails: a few bad fixes must not decide; one that is wrong by thousands of sigmas, less still.
+            // Huber's tails: a few bad fixes must not dominate; one wrong by thousands of sigmas even less.
             constexpr double straight = 3.0, far = 10.0;
             const double tail = x < far ? straight * x : straight * far * (1.0 + std::log(x / far));
             sum += weight * (std::log(r.sigma(i)) + (x < straight ? 0.5 * x * x : tail - 0.5 * straight * straight));
@@ -102,7 +102,7 @@ double TrialJudge::cost(const Settings& settings, bool surroundings) {
     return n > 0.0 ? sum / n : 1e9;
 }
 
-/// Speeds by the fixes, and which are slow: a quarter of what is usual at the upper end.
+/// Speeds from the fixes, and which are slow: a quarter of the usual upper values.
 void TrialJudge::find_speeds(Time stop) {
     const earth::Earth earth;
     const GnssFix* before = nullptr;
@@ -121,8 +121,8 @@ void TrialJudge::find_speeds(Time stop) {
     if (!sorted.empty()) slow_ = std::max(0.5, 0.25 * math::quantile(sorted, 0.95));  // m/s
 }
 
-/// Where the inertial log was made up or is doubted, and until its errors have faded: interpolated motion, which is smooth, passes for a
-/// latency. Short holes and single shocks are not worth it; where most of the log would be, it is judged by all of it.
+/// Intervals with interpolated or unreliable inertial data, until their errors have decayed: interpolated motion, which is smooth,
+/// would be taken for a latency. Short gaps and single shocks are ignored; if most of the log were affected, all of it is used.
 void TrialJudge::find_spoiled() {
     constexpr double least = 0.75, fading = 10.0, lengths = 3.0, most = 0.6;  // s, s, of the log
     const auto& increments = data_.imu.increments;

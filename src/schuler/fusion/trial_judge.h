@@ -1,4 +1,4 @@
-// The judge of the trials by which noise and latencies are found.
+// Evaluation of the trials that determine noise and latencies.
 #pragma once
 
 #include "schuler/fusion/gnss_faults.h"
@@ -10,17 +10,17 @@
 
 namespace schuler::fusion {
 
-/// A trial: one run over a limited span, judged by how probable its innovations were.
+/// A trial: one run over a limited interval, evaluated by the likelihood of its innovations.
 class TrialJudge {
 public:
-    /// `data` is that of the trials and gets their events; `start` was made with the latencies of `before`; all but these have to outlive
-    /// this.
+    /// `data` is that of the trials and receives their events; `start` was formed with the latencies of `before`; all except
+    /// these must outlive this object.
     TrialJudge(RunData& data, const Start& start, const GnssSettings& before, const FixScreen& screen);
 
     [[nodiscard]] Time stop() const { return data_.imu.increments[last_].time; }
-    /// Components that the last cost was the mean of, by weight.
+    /// Weighted number of components averaged in the last cost.
     [[nodiscard]] double count() const { return count_; }
-    /// Mean negative log-likelihood per component: of the GNSS alone, or of barometer and magnetometer too.
+    /// Mean negative log-likelihood per component: of GNSS alone, or also of barometer and magnetometer.
     double cost(const Settings& settings, bool surroundings);
 
 private:
@@ -33,7 +33,7 @@ private:
     double slow_ = 0.0;
     RunData& data_;
     const Start& start_;
-    double latency_, velocity_latency_;  // s, of the fixes that the start is made of
+    double latency_, velocity_latency_;  // s, of the fixes used for the start
     const FixScreen& screen_;
     std::size_t last_;
     double count_ = 0.0;

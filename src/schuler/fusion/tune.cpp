@@ -25,15 +25,15 @@ using Eigen::Vector3d;
 
 struct Minimum {
     double at = 0.0;
-    double step = 0.0;                ///< distance of the last trials
-    std::map<double, double> trials;  ///< arguments and what came of them
+    double step = 0.0;                ///< spacing of the last trials
+    std::map<double, double> trials;  ///< arguments and results
 };
 
-/// A value that no trial has.
+/// A value not returned by any trial.
 constexpr double untried = 1e9;
 
-/// One sigma of a minimum of a negative logarithm of the likelihood, `scale` times what was tried, from how far away it has risen clearly:
-/// by a few units it changes where a fix is refused or not. Where it does not rise, as far as was looked.
+/// One sigma of a minimum of a negative log-likelihood (`scale` times the argument), from the distance at which it has risen
+/// clearly: it changes by a few units depending on the rejection of single fixes. If it does not rise, the distance searched.
 double sigma_of(const Minimum& minimum, double scale) {
     constexpr double clear = 4.0;
     const double lowest = minimum.trials.at(minimum.at);
@@ -52,7 +52,7 @@ double sigma_of(const Minimum& minimum, double scale) {
         {side(at, minimum.trials.end()), side(std::make_reverse_iterator(at), minimum.trials.rend()), 0.5 * minimum.step});
 }
 
-/// Minimum of f on a grid, refined by bisections of the grid's step; no argument below `least` or above `most` is tried.
+/// Minimum of f on a grid, refined by halving the grid step; arguments below `least` or above `most` are not tried.
 Minimum minimise(const std::function<double(double)>& f, double low, double high, int points, int refinements, double least,
                  double most) {
     low = std::clamp(low, least, most);
@@ -129,20 +129,20 @@ std::vector<FixNoise> fix_noise(const Recording& recording, const GnssSettings& 
 
 namespace {
 
-/// m: more no receiver wanders; an inertial unit that is modelled badly must not be taken for that.
+/// m: upper limit of the wander of any receiver; a poor model of the inertial unit must not be taken for it.
 constexpr double most_wander = 2.5;
 
-/// A positive setting searched on a logarithmic scale about its value before tuning; NaN-free and remembered between rounds.
+/// A positive setting searched on a logarithmic scale about its value before tuning; never NaN, retained between rounds.
 struct LogKnob {
     const char* key;                               ///< of dataset.toml
-    std::function<void(Settings&, double)> apply;  ///< sets the setting to its first value times exp(x)
+    std::function<void(Settings&, double)> apply;  ///< sets the setting to its initial value times exp(x)
     double low, high;                              ///< of x, first round
     bool surroundings = false;
     double least = -1e3, most = 1e3;      ///< of x, in every round
-    double expected = 0.0, spread = 0.0;  ///< of x before the trials, one sigma; 0: anything goes
+    double expected = 0.0, spread = 0.0;  ///< of x a priori, one sigma; 0: no prior
     double x = 0.0;
 
-    /// Negative logarithm of its density before the trials.
+    /// Negative logarithm of its prior density.
     [[nodiscard]] double surprise(double at) const { return spread > 0.0 ? 0.5 * std::pow((at - expected) / spread, 2) : 0.0; }
 };
 
@@ -168,18 +168,18 @@ std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& record
     std::vector<LogKnob> knobs;
     const sensor::ImuErrorModel imu = before.imu.errors;
     const GnssSettings g = before.gnss;
-    // Loggers stamp fixes when they come in. What that makes of the fixes goes with the motion as the unit's errors do, so it comes first.
+    // Loggers stamp fixes on arrival. The effect on the fixes depends on the motion like the unit's errors, so it is estimated first.
     const double least_jitter = std::log(0.003), most_jitter = std::log(0.35);  // s
     if (before.imu.estimate_noise && !g.jitter)
         knobs.push_back({"gnss.jitter_s", [](Settings& s, double x) { s.gnss.jitter = std::exp(x); }, least_jitter, std::log(0.2),
                          false, least_jitter, most_jitter});
     if (before.imu.estimate_noise) {
-        // White noise cannot be more than what successive samples differ by. Without that bound whatever the trial's states cannot explain
-        // is taken for it, and what came of it is a filter that knows no heading and grows uncertain at rest.
-        constexpr double all = 1.5, worse = 3.0;  // of what is seen, of the grade
+        // White noise cannot exceed the differences of successive samples. Without this bound all errors not explained by the
+        // trial's states are attributed to it, resulting in a filter without heading information that becomes uncertain at rest.
+        constexpr double all = 1.5, worse = 3.0;  // of the observed value, of the grade
         const filter::Vibration mean = mean_vibration(imu_log);
         const double shaken = std::log(all), none = -3.0;
-        // Where the fixes are too poor to tell, it is what the grade says.
+        // If the fixes are too poor to determine it, the value of the grade is used.
         constexpr double spread = 1.5;  // a factor of 4.5
         const double most_gyro = std::log(std::max(worse, all * std::sqrt(mean.gyro_psd) / imu.gyro_noise));
         const double most_accel = std::log(std::max(worse, all * std::sqrt(mean.accel_psd) / imu.accel_noise));
@@ -208,10 +208,10 @@ std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& record
              1.2});
     }
     const bool precise = is_precise(recording);
-    // Receivers wander: filters inside, atmosphere, multipath. Innovations that look alike tell by how much; where sigmas are stated, the
-    // physics of a receiver without corrections by how much at least. A fixed solution that states its sigmas hardly wanders. How long an
-    // error lasts minutes do not tell: ten minutes, as the atmosphere's, so that no solution averages away what a receiver says of its
-    // accuracy; `upright`: vertical errors against horizontal ones.
+    // Receivers have correlated errors: internal filters, atmosphere, multipath. Their size follows from the correlation of
+    // innovations; with stated sigmas, the physics of a receiver without corrections gives a lower bound. A fixed solution with
+    // stated sigmas has hardly any. The correlation time cannot be found from minutes of data: ten minutes, as for the atmosphere,
+    // so that no solution averages below the receiver's stated accuracy; `upright`: vertical relative to horizontal errors.
     const auto wander = [&](double sigma, double time, double low, double high, double least, double upright) {
         knobs.push_back({"gnss.correlated_m",
                          [=](Settings& s, double x) {
@@ -225,7 +225,7 @@ std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& record
         if (missing.position) wander(0.5, 60.0, -3.0, 0.0, -1e3, 1.0);
         else if (before.imu.estimate_noise && !precise) wander(0.3, 600.0, 0.0, 2.3, 0.0, 1.5);
     }
-    // A log's own sigmas may be too small by far; where they are too large nothing is lost but sharpness.
+    // A log's own sigmas may be far too small; if they are too large only accuracy is lost.
     const auto larger = [](double x) { return std::exp(std::max(0.0, x)); };
     if (g.estimate_std && before.imu.estimate_noise && !missing.position)
         knobs.push_back({"gnss.std_scale", [g, larger](Settings& s, double x) { s.gnss.std_scale = larger(x) * g.std_scale; },
@@ -245,7 +245,7 @@ std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& record
              [g](Settings& s, double x) { s.gnss.default_std_velocity.z() = std::exp(x) * g.default_std_velocity.z(); }, -2.0,
              2.0});
     }
-    // A receiver's own filter smooths its velocities: they are wrong for seconds, by as much in one fix as in the next.
+    // A receiver's own filter smooths its velocities: their errors last for seconds, common to successive fixes.
     if (g.estimate_std && before.imu.estimate_noise && missing.velocity && has_velocity && g.errors.correlated_velocity.isZero())
         knobs.push_back({"gnss.correlated_velocity_m_s",
                          [](Settings& s, double x) {
@@ -269,7 +269,7 @@ std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& record
     return knobs;
 }
 
-/// Median of the sigmas that a receiver without corrections states, m, NED; 0 where most fixes are not such.
+/// Median of the sigmas stated by a receiver without corrections, m, NED; 0 if most fixes have corrections.
 Vector3d stated_by_autonomous(const Recording& recording) {
     Vector3d out = Vector3d::Zero();
     for (int i = 0; i < 3; ++i) {
@@ -284,23 +284,23 @@ Vector3d stated_by_autonomous(const Recording& recording) {
     return out;
 }
 
-/// What was fitted is kept above what the physics of the devices allows, however quiet they were in the trial: a receiver that does not
-/// state its sigmas, without corrections, wanders by a metre (open services reach 2 to 4 m at 95 % horizontally) and scatters
-/// by some centimetres; a magnetometer's errors turn with its vehicle and with its currents.
+/// Fitted values are limited by the physics of the devices, however quiet they were in the trial: a receiver without stated
+/// sigmas and corrections has correlated errors of a metre (open services reach 2 to 4 m at 95 % horizontally) and a scatter of
+/// some centimetres; a magnetometer's errors change with its vehicle's direction and currents.
 void keep_physical(Settings& settings, const Settings& before, const Recording& recording, MissingStd missing) {
     constexpr double least_white = 0.1, least_slow = 1.0, least_velocity = 0.02, least_heading = 0.02;  // m, m, m/s, rad
     const bool precise = is_precise(recording);
     GnssSettings& g = settings.gnss;
-    // What an autonomous receiver says of its accuracy is mostly of what it wanders, and minutes of a log do not show all of that.
+    // The accuracy stated by an autonomous receiver is mostly that of its slow errors, which minutes of a log do not fully reveal.
     if (before.gnss.estimate_std && before.imu.estimate_noise && !missing.position &&
         before.gnss.errors.correlated_position.isZero()) {
         const Vector3d stated = stated_by_autonomous(recording), upright(1.0, 1.0, 1.5);
         constexpr double refuted =
-            1.5;  // the fixes scatter by so much more than is stated: it does not tell what they wander by either
+            1.5;  // the fixes scatter by this much more than stated: the stated values do not include their slow errors either
         const bool is_refuted = g.std_scale > refuted && stated.x() > 0.0;
         const Vector3d accuracy = is_refuted ? Vector3d((g.std_scale * stated).cwiseMax(least_slow * upright)) : stated;
         const Vector3d slow = g.errors.correlated_position.cwiseMax(accuracy.cwiseMin(most_wander * upright));
-        // What was fitted is what scatters: with a larger slow part the whole is larger, and not the white part smaller.
+        // The fitted value is the scatter: a larger slow part increases the total, and does not reduce the white part.
         if (stated.x() > 0.0 && slow.x() > g.errors.correlated_position.x()) {
             const double white = white_part(g.std_scale * stated.x(), g.errors.correlated_position.x());
             g.std_scale = std::max(g.std_scale, std::hypot(white, slow.x()) / stated.x());
@@ -309,7 +309,7 @@ void keep_physical(Settings& settings, const Settings& before, const Recording& 
     }
     if (before.gnss.estimate_std && missing.position && !precise) {
         g.default_std_position = g.default_std_position.cwiseMax(least_white);
-        if (before.gnss.errors.correlated_position.isZero())  // as large as what scatters, at least
+        if (before.gnss.errors.correlated_position.isZero())  // at least as large as the scatter
             g.errors.correlated_position =
                 g.errors.correlated_position.cwiseMax(g.default_std_position.cwiseMin(most_wander)).cwiseMax(least_slow);
     }
@@ -318,7 +318,7 @@ void keep_physical(Settings& settings, const Settings& before, const Recording& 
         settings.mag.heading_std = std::max(settings.mag.heading_std, std::min(least_heading, before.mag.heading_std));
 }
 
-/// Where a latency is looked for, s.
+/// Search range of a latency, s.
 struct Reach {
     double around = 0.0, size = 1e9;
     [[nodiscard]] bool holds(double x) const { return std::abs(x - around) <= size; }
@@ -337,8 +337,8 @@ void tune(RunData& data, Settings& settings, const Start& start, const FixScreen
     std::vector<LogKnob> knobs = noise_knobs(before, *data.recording, data.imu, missing, has_velocity);
     findings.tuned_from = start.nav.time;
     findings.tuned_to = judge.stop();
-    // Latencies that motion in windows has measured (a sigma says so) are looked for within what it leaves open: the likelihood of a whole
-    // trial takes what it cannot explain, a fault of the inertial unit say, for any latency.
+    // Latencies measured from motion in windows (with a sigma) are searched within their uncertainty: the likelihood of a whole
+    // trial attributes unexplained effects, such as a fault of the inertial unit, to any latency.
     const auto reach = [&](double sigma) {
         constexpr double unmeasured = 0.15, sigmas = 4.0;  // s
         return sigma > 0.0 && sigma < unmeasured ? Reach{before.gnss.latency, sigmas * sigma} : Reach{};
@@ -360,7 +360,7 @@ void tune(RunData& data, Settings& settings, const Start& start, const FixScreen
             low, high, points, refinements, least, most);
         apply(settings, best.at);
         const bool torn =
-            std::abs(best.at - within.around) > 0.6 * within.size;  // between what was measured and what the trials want
+            std::abs(best.at - within.around) > 0.6 * within.size;  // between the measurement and the result of the trials
         const double sigma = torn ? 0.5 * within.size : sigma_of(best, judge.count());
         const auto same = std::ranges::find(findings.tuned, key, &TunedSetting::key);
         if (same == findings.tuned.end()) findings.tuned.push_back({key, sigma, relative});
@@ -373,7 +373,7 @@ void tune(RunData& data, Settings& settings, const Start& start, const FixScreen
                              : search(k.key, true, k.apply, k.x - 0.7, k.x + 0.7, 3, 2, k.surroundings, k.least, k.most, {}, &k);
         }
         if (!settings.gnss.estimate_latency) continue;
-        // Of both together, which only the inertial unit can tell, and then what the velocities' differs by, which the fixes tell themselves.
+        // The common latency, determined by the inertial unit, and then the difference for the velocities, determined by the fixes.
         const double now = settings.gnss.latency;
         const bool apart = settings.gnss.velocity_latency && !before.gnss.velocity_latency;
         const double difference = apart ? *settings.gnss.velocity_latency - now : 0.0;
@@ -386,7 +386,7 @@ void tune(RunData& data, Settings& settings, const Start& start, const FixScreen
         const auto sigma = [&](const char* key) -> double& {
             return std::ranges::find(findings.tuned, key, &TunedSetting::key)->sigma;
         };
-        // Beside velocities whose latency is settled the fixes tell how much later the positions are, and no more than that.
+        // Given the latency of the velocities, the fixes determine the additional latency of the positions, and no more.
         if (has_velocity && before.gnss.velocity_latency)
             sigma("gnss.latency_s") = std::hypot(sigma("gnss.latency_s"), 0.5 * before.gnss.velocity_latency_std);
         if (has_velocity && !before.gnss.velocity_latency) {

@@ -1,4 +1,4 @@
-// The acceleration of a satellite where no model of its orbit is asked again.
+// Satellite acceleration without further evaluation of the orbit model.
 #pragma once
 
 #include "schuler/earth/ellipsoid.h"
@@ -8,8 +8,8 @@
 
 namespace schuler::gnss {
 
-/// Relative to the Earth, Earth-fixed axes, m/s^2: the field of a point mass with the Coriolis and centrifugal terms, within 1e-4 m/s^2 of
-/// the field with its flattening.
+/// Relative to the Earth, Earth-fixed axes, m/s^2: point-mass gravitation with the Coriolis and centrifugal terms; the neglected
+/// flattening contributes less than 1e-4 m/s^2.
 [[nodiscard]] Eigen::Vector3d point_mass_acceleration(const SatelliteState& satellite, const earth::Ellipsoid& earth);
 
 }  // namespace schuler::gnss

@@ -68,7 +68,7 @@ Direction direction_to(const Ecef& satellite, const Ecef& receiver, const Geodet
 }
 
 double klobuchar_delay(const KlobucharCoefficients& c, Time t, const Geodetic& receiver, Direction d) {
-    // in semicircles, as the interface document writes it
+    // in semicircles, as in the interface document
     const double elevation = d.elevation / pi;
     const double psi = 0.0137 / (elevation + 0.11) - 0.022;
     const double lat = std::clamp(receiver.lat / pi + psi * std::cos(d.azimuth), -0.416, 0.416);
@@ -89,7 +89,7 @@ double klobuchar_delay(const KlobucharCoefficients& c, Time t, const Geodetic& r
 
 double beidou_klobuchar_delay(const KlobucharCoefficients& c, Time t, const Geodetic& receiver, Direction d) {
     constexpr double radius = 6378e3, shell = 375e3, sine = radius / (radius + shell);
-    const double at_shell = sine * std::cos(d.elevation);  // sine of the zenith angle where the ray meets the shell
+    const double at_shell = sine * std::cos(d.elevation);  // sine of the zenith angle at the shell
     const double psi = 0.5 * pi - d.elevation - std::asin(at_shell);
     const double lat = std::asin(std::clamp(
         std::sin(receiver.lat) * std::cos(psi) + std::cos(receiver.lat) * std::sin(psi) * std::cos(d.azimuth), -1.0, 1.0));
@@ -123,10 +123,10 @@ IonosphericDelay ionospheric_delay(const BroadcastIonosphere& ionosphere, System
     if (ionosphere.klobuchar) of_gps = on_carrier(l1_frequency) * klobuchar_delay(*ionosphere.klobuchar, t, receiver, d);
     if (ionosphere.beidou) of_beidou = on_carrier(b1i) * beidou_klobuchar_delay(*ionosphere.beidou, t, receiver, d);
     if (!of_gps && !of_beidou) {
-        // the amplitude of medium solar activity at middle latitudes, and Klobuchar's mean period
+        // amplitude for medium solar activity at middle latitudes, and Klobuchar's mean period
         constexpr KlobucharCoefficients mean{{20e-9, 0.0, 0.0, 0.0}, {115'000.0, 0.0, 0.0, 0.0}};
         const double delay = on_carrier(l1_frequency) * klobuchar_delay(mean, t, receiver, d);
-        constexpr double least_vertical = 2.0;  // m on L1: what nights reach where the ionosphere is active
+        constexpr double least_vertical = 2.0;  // m on L1: night value of an active ionosphere
         const double slant = 1.0 + 16.0 * std::pow(0.53 - d.elevation / pi, 3);
         return {delay, std::hypot(delay, on_carrier(l1_frequency) * least_vertical * slant)};
     }
@@ -139,10 +139,10 @@ IonosphericDelay ionospheric_delay(const BroadcastIonosphere& ionosphere, System
 
 ZenithDelay saastamoinen_zenith(const Geodetic& receiver, double relative_humidity) {
     const double h = std::clamp(receiver.h, -1000.0, 20'000.0);
-    if (std::isnan(h)) return {h, h};  // of a filter that diverges, which says so itself
+    if (std::isnan(h)) return {h, h};  // of a diverging filter, which reports it itself
     const earth::StandardAir air = earth::standard_air(earth::geopotential_from_geometric(h));
     const double pressure = air.pressure * 1e-2;  // hPa
-    // partial pressure of water vapour over water, hPa, by the formula customary with this model
+    // partial pressure of water vapour over water, hPa, by the formula commonly used with this model
     const double vapour = 6.108 * relative_humidity * std::exp((17.15 * air.temperature - 4684.0) / (air.temperature - 38.45));
     const double gravity = 1.0 - 0.00266 * std::cos(2.0 * receiver.lat) - 0.00028e-3 * h;
     return {0.0022768 * pressure / gravity, 0.002277 * (1255.0 / air.temperature + 0.05) * vapour};
@@ -153,7 +153,7 @@ double troposphere_delay(const ZenithDelay& zenith, Mapping mapping, Time t, con
     const double s = std::sin(std::max(elevation, lowest));
     if (mapping == Mapping::Cosecant) return (zenith.hydrostatic + zenith.wet) / s;
     const double latitude_deg = receiver.lat * 180.0 / pi;
-    // the season counts from 28 January, half a year later in the south
+    // the season is counted from 28 January, half a year later in the southern hemisphere
     const double season = std::cos(2.0 * pi * ((day_of_year(t) - 28.0) / 365.25 + (receiver.lat < 0.0 ? 0.5 : 0.0)));
     const auto mean = at_latitude(hydrostatic_mean, latitude_deg), amplitude = at_latitude(hydrostatic_amplitude, latitude_deg),
                wet = at_latitude(wet_mean, latitude_deg);

@@ -19,7 +19,7 @@ namespace schuler::gnss {
 namespace {
 
 using units::deg;
-constexpr double greenwich = 277.85 * deg;  ///< right ascension when the week begins
+constexpr double greenwich = 277.85 * deg;  ///< right ascension at the start of the week
 
 /// A plane of GPS's nominal constellation: right ascension of the node and arguments of latitude, degrees.
 struct Plane {
@@ -49,7 +49,7 @@ Navigation nominal_gps(Time from, Time to) {
                 k.toe = k.toc = k.transmission = toe;
                 k.sqrt_a = std::sqrt(a);
                 k.i0 = 55.0 * deg;
-                // elements since the week of `from` began, so that a scenario may run into the next week
+                // relative to the start of the week of `from`, so that a scenario may extend into the next week
                 const double since = week_second(from).second + (toe - from).seconds();
                 k.omega0 = plane.node * deg - greenwich - gps_earth_rate * (since - week_second(toe).second);
                 k.m0 = std::remainder(latitude * deg + n * since, 2.0 * std::numbers::pi);

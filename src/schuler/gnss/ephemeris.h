@@ -1,4 +1,4 @@
-// Broadcast ephemerides as the navigation messages give them, in SI units and GPS time.
+// Broadcast ephemerides of the navigation messages, in SI units and GPS time.
 #pragma once
 
 #include "schuler/core/time.h"
@@ -12,7 +12,7 @@
 
 namespace schuler::gnss {
 
-/// Which message an ephemeris comes from. Galileo's I/NAV clock refers to E1 and E5b, the F/NAV clock to E1 and E5a.
+/// Source message of an ephemeris. Galileo's I/NAV clock refers to E1 and E5b, the F/NAV clock to E1 and E5a.
 enum class NavMessage : std::uint8_t { Lnav, Inav, Fnav, D1, D2, Glonass, Sbas };
 
 /// Keplerian elements with harmonic corrections: GPS and QZSS [ISGPS200:table 20-III], Galileo [GalileoICD:tables 65, 67],
@@ -20,8 +20,8 @@ enum class NavMessage : std::uint8_t { Lnav, Inav, Fnav, D1, D2, Glonass, Sbas }
 struct KeplerEphemeris {
     SatelliteId satellite;
     NavMessage message = NavMessage::Lnav;
-    Time toc, toe;                     ///< reference of the clock, of the orbit
-    Time transmission;                 ///< when it was sent, toe where unknown
+    Time toc, toe;                     ///< reference times of clock and orbit
+    Time transmission;                 ///< time of transmission, toe if unknown
     double af0 = 0, af1 = 0, af2 = 0;  ///< clock: s, s/s, s/s^2
     double sqrt_a = 0, e = 0, i0 = 0, omega0 = 0, omega = 0, m0 = 0;
     double delta_n = 0, omega_dot = 0, idot = 0;
@@ -30,7 +30,7 @@ struct KeplerEphemeris {
     std::array<double, 2> group_delay{0, 0};
     int iode = 0, iodc = 0;
     int health = 0;           ///< 0: healthy
-    double accuracy = 0;      ///< m, one sigma as broadcast; 0 or less: unknown or no promise
+    double accuracy = 0;      ///< m, one sigma as broadcast; 0 or less: unknown or not guaranteed
     double fit_interval = 0;  ///< s; 0: nominal
 };
 
@@ -42,7 +42,7 @@ struct GlonassEphemeris {
     Eigen::Vector3d position{0, 0, 0}, velocity{0, 0, 0}, acceleration{0, 0, 0};  ///< m, m/s, m/s^2 (Sun and Moon)
     double clock = 0;                                                             ///< s, minus tau_n: satellite minus system time
     double clock_rate = 0;                                                        ///< s/s, gamma_n
-    double l2_delay = 0;                                                          ///< s, delta tau_n: L2 sent later than L1
+    double l2_delay = 0;                                                          ///< s, delta tau_n: delay of L2 relative to L1
     int channel = 0;
     int health = 0;
     int age_days = 0;
@@ -67,7 +67,7 @@ struct GalileoIonosphere {
     std::array<double, 3> a{};  ///< effective ionisation level, solar flux units, per degree of modified dip latitude
 };
 
-/// Everything a navigation file or a receiver's log tells.
+/// The content of a navigation file or of the messages in a receiver's log.
 struct Navigation {
     std::vector<KeplerEphemeris> kepler;
     std::vector<GlonassEphemeris> glonass;
@@ -76,7 +76,7 @@ struct Navigation {
     std::optional<GalileoIonosphere> galileo_ionosphere;
     std::optional<int> leap_seconds;  ///< GPS minus UTC as broadcast
 
-    /// Adds what another file tells; ionosphere coefficients already there stay.
+    /// Merges the content of another file; ionosphere coefficients already present are kept.
     void add(const Navigation& other);
     [[nodiscard]] std::size_t size() const { return kepler.size() + glonass.size() + sbas.size(); }
 };

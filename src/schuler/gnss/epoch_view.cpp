@@ -13,7 +13,7 @@
 namespace schuler::gnss {
 namespace {
 
-/// Rows of the geometry: three components of the line of sight, one column for each clock that occurs.
+/// Rows of the geometry: three components of the line of sight, one column for each clock present.
 struct Geometry {
     Eigen::MatrixXd rows;
     Eigen::VectorXd weights;
@@ -35,10 +35,10 @@ struct Geometry {
         }
     }
     [[nodiscard]] Eigen::Index redundancy() const { return rows.rows() - rows.cols(); }
-    /// Of the normal equations; nothing where they are singular.
+    /// Inverse of the normal equations; empty if they are singular.
     [[nodiscard]] static std::optional<Eigen::MatrixXd> inverse(const Eigen::MatrixXd& information) {
         const Eigen::LDLT<Eigen::MatrixXd> factor(information);
-        constexpr double smallest = 1e-10;  // of the largest pivot
+        constexpr double smallest = 1e-10;  // relative to the largest pivot
         const bool good = factor.info() == Eigen::Success && factor.vectorD().minCoeff() > smallest * factor.vectorD().maxCoeff();
         if (!good) return std::nullopt;
         return factor.solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()));
@@ -74,10 +74,10 @@ ProtectionLevels protection_of(std::span<const UsedRange> ranges, double false_a
     const auto covariance = Geometry::inverse(g.rows.transpose() * g.weights.asDiagonal() * g.rows);
     if (!covariance) return {};
     const Eigen::MatrixXd gain =
-        *covariance * g.rows.transpose() * g.weights.asDiagonal();  // position and clocks for a metre of each range
+        *covariance * g.rows.transpose() * g.weights.asDiagonal();  // position and clock errors per metre of error of each range
     double horizontal = 0.0, vertical = 0.0;
     for (Eigen::Index i = 0; i < g.rows.rows(); ++i) {
-        // the share of a fault in this range that shows in the residuals; one that the position takes whole is never noticed
+        // the fraction of a fault in this range visible in the residuals; a fault fully absorbed by the position is undetectable
         const double shown = 1.0 - g.rows.row(i).dot(gain.col(i));
         constexpr double nothing = 1e-9;
         if (shown < nothing) return {};
@@ -106,7 +106,7 @@ EpochView EpochViewer::view(std::span<const SignalObservation> observations, Tim
     std::vector<Range> ranges;
     prepare_ranges(observations, tag, source_, channels, settings_.ranges, ranges);
     EpochView out = view(ranges, tag);
-    // what was tracked and did not become a range
+    // tracked signals that did not become a range
     for (std::size_t first = 0, last = 0; first < observations.size(); first = last) {
         const SignalObservation& o = observations[first];
         double strongest = not_given;
@@ -117,7 +117,7 @@ EpochView EpochViewer::view(std::span<const SignalObservation> observations, Tim
         v.satellite = o.satellite;
         v.signal = o.signal;
         v.cn0 = strongest;
-        const auto sent = source_.at(o.satellite, o.signal, tag - Duration::from_seconds(0.075));  // a flight of medium orbits
+        const auto sent = source_.at(o.satellite, o.signal, tag - Duration::from_seconds(0.075));  // light time of medium orbits
         v.fate = !settings_.ranges.systems[static_cast<std::size_t>(o.satellite.system)] ? Fate::SystemOff
                  : sent                                                                  ? Fate::NoSignal
                                                                                          : Fate::NoEphemeris;

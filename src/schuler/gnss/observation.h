@@ -14,22 +14,22 @@
 
 namespace schuler::gnss {
 
-/// What a receiver measured of one signal of one satellite. NaN where not measured.
+/// Measurement of one signal of one satellite. NaN if not measured.
 struct SignalObservation {
     SatelliteId satellite;
     Signal signal;
     std::uint8_t loss_of_lock = 0;   ///< RINEX indicator of the phase: bit 0 lock lost, bit 1 half-cycle ambiguous
     std::uint8_t strength = 0;       ///< RINEX signal strength digit of the phase, 0 unknown
     double pseudorange = not_given;  ///< m
-    double phase = not_given;        ///< cycles, grows with the range
-    double doppler = not_given;      ///< Hz, positive where the satellite approaches
+    double phase = not_given;        ///< cycles, increases with the range
+    double doppler = not_given;      ///< Hz, positive for an approaching satellite
     double cn0 = not_given;          ///< dB-Hz
 };
 
-/// One epoch: a range of observations, those of one satellite side by side.
+/// One epoch: a contiguous range of observations, grouped by satellite.
 struct ObservationEpoch {
-    Time time;                         ///< GPS time as the receiver's clock tells it
-    bool power_failure = false;        ///< the receiver lost power before it
+    Time time;                         ///< GPS time according to the receiver's clock
+    bool power_failure = false;        ///< the receiver lost power before this epoch
     std::size_t first = 0, count = 0;  ///< in ObservationLog::observations
 };
 
@@ -40,9 +40,9 @@ struct GlonassChannels {
     GlonassChannels() { of_slot.fill(unknown_channel); }
 };
 
-/// A whole log. `approximate` and `antenna_delta` are the header's, NaN where it has none.
+/// A complete log. `approximate` and `antenna_delta` are from the header, NaN if absent.
 struct ObservationLog {
-    double version = 0.0;  ///< of RINEX; 0 where it comes from another format
+    double version = 0.0;  ///< RINEX version; 0 if from another format
     std::string marker;
     Ecef approximate{not_given3()};
     Eigen::Vector3d antenna_delta = not_given3();  ///< marker to antenna: up, east, north, m

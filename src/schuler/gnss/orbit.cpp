@@ -9,7 +9,7 @@
 namespace schuler::gnss {
 namespace {
 
-/// Constants of each system's interface document, for the elements were fitted with them.
+/// Constants of each system's interface document, with which the elements were fitted.
 struct OrbitConstants {
     double mu;          ///< m^3/s^2
     double earth_rate;  ///< rad/s
@@ -22,7 +22,7 @@ OrbitConstants constants_of(System system) {
     }
 }
 
-/// Kepler's equation by Newton's method: eccentric anomaly of a mean anomaly.
+/// Kepler's equation by Newton's method: eccentric anomaly from mean anomaly.
 double eccentric_anomaly(double mean, double e) {
     double anomaly = mean;
     for (int i = 0; i < 30; ++i) {
@@ -42,7 +42,7 @@ OrbitPlane in_plane(const KeplerEphemeris& k, double tk, double anomaly, double 
     const double a = k.sqrt_a * k.sqrt_a;
     const double se = std::sin(anomaly), ce = std::cos(anomaly), root = std::sqrt(1.0 - k.e * k.e);
     const double anomaly_rate = n / (1.0 - k.e * ce);
-    const double latitude = std::atan2(root * se, ce - k.e) + k.omega;  // argument of latitude, uncorrected
+    const double latitude = std::atan2(root * se, ce - k.e) + k.omega;  // argument of latitude, without corrections
     const double latitude_rate = anomaly_rate * root / (1.0 - k.e * ce);
     const double s2 = std::sin(2.0 * latitude), c2 = std::cos(2.0 * latitude);
     const double u = latitude + k.cus * s2 + k.cuc * c2;
@@ -65,7 +65,7 @@ void place(const KeplerEphemeris& k, const OrbitConstants& c, double tk, double 
     Eigen::Vector3d v(o.vx * cn - o.vy * ci * sn + o.y * si * o.idot * sn - node_rate * r.y(),
                       o.vx * sn + o.vy * ci * cn - o.y * si * o.idot * cn + node_rate * r.x(), o.vy * si + o.y * ci * o.idot);
     if (inertial) {
-        // from the frame tilted by -5 degrees about x, then turned with the Earth since toe
+        // from the frame tilted by -5 degrees about x, then rotated with the Earth since toe
         const double s5 = std::sin(-5.0 * units::deg), c5 = std::cos(-5.0 * units::deg);
         const double angle = c.earth_rate * tk, sa = std::sin(angle), ca = std::cos(angle);
         const auto turned = [&](const Eigen::Vector3d& p) {
@@ -79,7 +79,7 @@ void place(const KeplerEphemeris& k, const OrbitConstants& c, double tk, double 
     out.velocity = v;
 }
 
-constexpr double unknown_accuracy = 4.0;  // m, where the message promises nothing
+constexpr double unknown_accuracy = 4.0;  // m, if not guaranteed by the message
 
 }  // namespace
 
@@ -104,7 +104,7 @@ namespace {
 
 using Motion = Eigen::Matrix<double, 6, 1>;
 
-/// Equations of motion in the turning frame [GLONASSICD:A.3.1.2]: central field, oblateness, Earth's rotation, Sun and Moon.
+/// Equations of motion in the rotating frame [GLONASSICD:A.3.1.2]: central field, oblateness, Earth rotation, Sun and Moon.
 Motion glonass_rate(const Motion& s, const Eigen::Vector3d& acceleration) {
     constexpr double mu = 3.986004418e14, j2 = 1.08262575e-3, radius = 6378136.0, w = 7.292115e-5;
     const Eigen::Vector3d r = s.head<3>(), v = s.tail<3>();
@@ -163,7 +163,7 @@ double group_delay(const KeplerEphemeris& k, Signal signal) {
         case System::Galileo: {
             const double e5a = k.group_delay[0], e5b = k.group_delay[1];
             const double e1 = k.message == NavMessage::Fnav ? e5a : e5b;
-            // signals differ from E1 by the same delays whatever clock is used
+            // signals differ from E1 by the same delays for both clocks
             if (signal.band == '5') return e1 + (ratio('5') - 1.0) * e5a;
             if (signal.band == '7') return e1 + (ratio('7') - 1.0) * e5b;
             return e1;

@@ -1,4 +1,4 @@
-// Where a satellite was and what its clock showed when it sent.
+// Position, velocity and clock of a satellite at transmission.
 #pragma once
 
 #include "schuler/core/position.h"
@@ -8,14 +8,14 @@
 
 namespace schuler::gnss {
 
-/// The Earth's rate that the elements of GPS, QZSS and Galileo are fitted with, rad/s [ISGPS200:table 20-IV].
+/// Earth rotation rate used in the orbit elements of GPS, QZSS and Galileo, rad/s [ISGPS200:table 20-IV].
 inline constexpr double gps_earth_rate = 7.2921151467e-5;
 
-/// Satellite at an instant of GPS time, in Earth-fixed axes of that instant.
+/// Satellite state at an instant of GPS time, in Earth-fixed axes of that instant.
 struct SatelliteState {
     Ecef position;                      ///< m
     Eigen::Vector3d velocity{0, 0, 0};  ///< m/s, relative to the Earth
-    double clock = 0;                   ///< s, satellite minus system time, relativity of the eccentricity included
+    double clock = 0;                   ///< s, satellite minus system time, relativistic eccentricity term included
     double clock_rate = 0;              ///< s/s
     double variance = 0;                ///< m^2, of orbit and clock along the line of sight
 };
@@ -24,15 +24,15 @@ struct SatelliteState {
 /// rotated frame of BeiDou's geostationary satellites. The velocity is the exact derivative of the position.
 [[nodiscard]] SatelliteState satellite_state(const KeplerEphemeris& ephemeris, Time t);
 
-/// Orbit by Runge-Kutta integration (steps of 60 s at most) of the equations of [GLONASSICD:A.3.1.2]; 0.1 m of integration error
-/// would need hours. Positions are in the ephemeris's PZ-90.11, within 2 cm of WGS-84.
+/// Orbit by Runge-Kutta integration (steps of at most 60 s) of the equations of [GLONASSICD:A.3.1.2]; 0.1 m of integration error
+/// would take hours to accumulate. Positions are in the ephemeris's PZ-90.11, within 2 cm of WGS-84.
 [[nodiscard]] SatelliteState satellite_state(const GlonassEphemeris& ephemeris, Time t);
 
 /// Quadratic motion [RTCA229:A.4.4.11].
 [[nodiscard]] SatelliteState satellite_state(const SbasEphemeris& ephemeris, Time t);
 
-/// Code delay of a signal against the broadcast clock, s: what the satellite's hardware adds to the pseudorange. From T_GD, BGD
-/// [ISGPS200:20.3.3.3.3.2], [GalileoICD:5.1.5], [BeiDouICD:5.2.4.10]; zero where the message does not tell.
+/// Code delay of a signal relative to the broadcast clock, s: the pseudorange error of the satellite's hardware. From T_GD, BGD
+/// [ISGPS200:20.3.3.3.3.2], [GalileoICD:5.1.5], [BeiDouICD:5.2.4.10]; zero if not broadcast.
 [[nodiscard]] double group_delay(const KeplerEphemeris& ephemeris, Signal signal);
 [[nodiscard]] double group_delay(const GlonassEphemeris& ephemeris, Signal signal);
 

@@ -22,7 +22,7 @@ std::vector<PhaseDifferences::Phase> PhaseDifferences::phases(std::span<const Si
         const auto o = std::ranges::find_if(
             observations, [&](const SignalObservation& x) { return x.satellite == r.satellite && x.signal == r.signal; });
         if (use == solution.satellites.end() || !use->used || o == observations.end() || !std::isfinite(o->phase)) continue;
-        // r.pseudorange holds code, group delay and satellite clock: the clock's part is what differs from the code
+        // r.pseudorange includes code, group delay and satellite clock: the clock part is its difference from the code
         const auto t = source_.at(r.satellite, r.signal, r.transmit);
         if (!t) continue;
         const double metres = o->phase * speed_of_light / r.frequency + speed_of_light * t->state.clock;
@@ -43,7 +43,7 @@ std::optional<PhaseVelocity> PhaseDifferences::update(std::span<const SignalObse
     const double interval = (tag - time_before).seconds();
     if (before.empty() || interval <= 0.0 || interval > settings_.longest_interval) return std::nullopt;
 
-    /// A satellite seen in both epochs: what its range grew by beyond its own motion.
+    /// A satellite seen in both epochs: growth of its range beyond its own motion.
     struct Difference {
         Eigen::Vector3d line_of_sight;
         double grown, sigma;
@@ -70,7 +70,7 @@ std::optional<PhaseVelocity> PhaseDifferences::update(std::span<const SignalObse
     const auto residual = [](const Difference& d, const detail::Estimate& x) {
         return std::abs(d.grown - d.line_of_sight.dot(x.head<3>()) - x[3]);
     };
-    // towards least absolute residuals first, so that several slips at once do not hide behind each other
+    // least absolute residuals first, so that several simultaneous slips do not mask each other
     detail::Estimate robust = detail::Estimate::Zero();
     for (int i = 0; i < 15; ++i) {
         detail::NormalEquations normal;
@@ -109,7 +109,7 @@ std::optional<PhaseVelocity> PhaseDifferences::update(std::span<const SignalObse
             out.used = static_cast<int>(count);
             return out;
         }
-        // without redundancy nobody could tell which phase slipped
+        // without redundancy a slipped phase cannot be identified
         if (count < 6) return std::nullopt;
         worst->use = false;
         ++out.slips;

@@ -10,9 +10,9 @@
 namespace schuler::gnss {
 
 struct PhaseVelocitySettings {
-    double phase_sigma = 0.005;     ///< m, of the difference of two phases, multipath and atmosphere over the interval included
+    double phase_sigma = 0.005;     ///< m, of the difference of two phases, including multipath and atmosphere over the interval
     double longest_interval = 5.0;  ///< s between the epochs
-    double slip = 6.0;              ///< sigmas of a residual that means a cycle slip
+    double slip = 6.0;              ///< residual in sigmas that is taken as a cycle slip
 };
 
 /// Mean velocity over (time - interval, time].
@@ -21,25 +21,25 @@ struct PhaseVelocity {
     Eigen::Matrix3d covariance;
     double interval = 0;  ///< s
     int used = 0;         ///< satellites
-    int slips = 0;        ///< satellites left out because their phase jumped
+    int slips = 0;        ///< satellites excluded because of a phase jump
 };
 
-/// Differences the phases of each satellite's first signal from epoch to epoch: what the satellite's motion, its clock and the
-/// receiver's rough position explain is taken off, the rest is the receiver's displacement and clock change (math.md 5.3 for two epochs).
-/// An error of the position of 10 m moves the velocity by 1 to 2 mm/s. Cycle slips: those the receiver tells, and residuals that do
-/// not fit, the largest first.
+/// Differences the phases of each satellite's first signal between epochs: the contributions of the satellite's motion and clock
+/// and of the receiver's approximate position are removed, leaving the displacement and clock change of the receiver (math.md 5.3
+/// for two epochs). A position error of 10 m changes the velocity by 1 to 2 mm/s. Cycle slips: those flagged by the receiver, and
+/// outlying residuals, the largest first.
 class PhaseDifferences {
 public:
     PhaseDifferences(const SatelliteSource& source, const RangeSettings& ranges, const PhaseVelocitySettings& settings = {})
         : source_(source), ranges_(ranges), settings_(settings) {}
 
-    /// `solution` is the position of this epoch; an unsolved one starts anew. Nothing where there is no epoch before, too long ago,
-    /// or too few satellites go on.
+    /// `solution` is the position of this epoch; an unsolved one restarts the differencing. No result without a sufficiently recent
+    /// previous epoch, or with too few continuously tracked satellites.
     [[nodiscard]] std::optional<PhaseVelocity> update(std::span<const SignalObservation> observations, Time tag,
                                                       const GlonassChannels& channels, const SinglePointSolution& solution);
 
 private:
-    /// One satellite's phase at one epoch, m, with its transmitter.
+    /// One satellite's phase at one epoch, m, with its transmitter state.
     struct Phase {
         SatelliteId satellite;
         Signal signal;

@@ -9,7 +9,7 @@
 namespace schuler::gnss {
 namespace {
 
-/// Bands in order of preference. BeiDou's B1C and B2a need group delays that its D1 and D2 messages do not send.
+/// Bands in order of preference. BeiDou's B1C and B2a require group delays not transmitted in its D1 and D2 messages.
 std::string_view bands_of(System system) {
     switch (system) {
         case System::Glonass: return "12";
@@ -24,7 +24,7 @@ std::string_view bands_of(System system) {
 /// Tracking modes in order of preference: open codes before encrypted ones.
 constexpr std::string_view attributes = "CIXSLBQPWZAYMND";
 
-/// The best observation with a pseudorange in one band, among those of one satellite.
+/// The best observation with a pseudorange in one band of one satellite.
 const SignalObservation* best_in_band(std::span<const SignalObservation> of_satellite, char band, double least_cn0) {
     const SignalObservation* best = nullptr;
     std::size_t rank = 0;
@@ -39,7 +39,7 @@ const SignalObservation* best_in_band(std::span<const SignalObservation> of_sate
     return best;
 }
 
-/// First and second signal of a satellite; null where there is none.
+/// First and second signal of a satellite; null if there is none.
 std::array<const SignalObservation*, 2> signals_of(std::span<const SignalObservation> of_satellite, double least_cn0) {
     std::array<const SignalObservation*, 2> found{nullptr, nullptr};
     std::size_t n = 0;
@@ -50,7 +50,7 @@ std::array<const SignalObservation*, 2> signals_of(std::span<const SignalObserva
     return found;
 }
 
-/// Satellite at the time its signal left, from the time tag and the pseudorange.
+/// Satellite at the time of transmission, from the time tag and the pseudorange.
 std::optional<Transmitter> transmitter_of(const SatelliteSource& source, const SignalObservation& o, Time tag, Time& transmit) {
     const Time sent = tag - Duration::from_seconds(o.pseudorange / speed_of_light);
     const auto first = source.at(o.satellite, o.signal, sent);
@@ -94,7 +94,7 @@ void prepare_ranges(std::span<const SignalObservation> observations, Time tag, c
         r.cn0 = a->cn0;
         r.position = t->state.position;
         r.velocity = t->state.velocity;
-        // GLONASS sends on many frequencies, each with a delay of its own in the receiver
+        // GLONASS uses many frequencies, each with its own delay in the receiver
         constexpr double interfrequency = 1.5;  // m, one sigma
         r.variance = t->state.variance + (id.system == System::Glonass ? interfrequency * interfrequency : 0.0);
         const int channel = channel_of(id, channels, t->channel);
@@ -144,7 +144,7 @@ ModelledRange model_range(const Range& r, const Ecef& receiver, const Geodetic& 
     ModelledRange m;
     const Eigen::Vector3d apart = receiver.r - r.position.r;
     const double distance = apart.norm();
-    // the Earth turns while the signal is on its way: closed form of turning the satellite by w tau
+    // the Earth rotates during the light time: closed form of rotating the satellite by w tau
     const double w_c = earth::wgs84.w_ie / speed_of_light;
     const double sagnac = w_c * (r.position.r.x() * receiver.r.y() - r.position.r.y() * receiver.r.x());
     const double angle = w_c * distance;
@@ -163,8 +163,8 @@ ModelledRange model_range(const Range& r, const Ecef& receiver, const Geodetic& 
 }
 
 double model_range_rate(const Range& r, const Ecef& receiver, const Eigen::Vector3d& v) {
-    // the derivative of distance + Sagnac term as model_range has them, and of the flight time: the satellite's own time runs
-    // slower by the range rate
+    // the derivative of distance + Sagnac term as in model_range, and of the light time: the satellite's own time is slower by
+    // the range rate
     const double w_c = earth::wgs84.w_ie / speed_of_light;
     const Eigen::Vector3d &s = r.position.r, &vs = r.velocity;
     const Eigen::Vector3d u = (receiver.r - s).normalized();

@@ -1,4 +1,4 @@
-// Ranges as logged, as the single-point solution takes them.
+// Logged ranges in the form used by the single-point solution.
 #pragma once
 
 #include "schuler/core/ranging.h"
@@ -8,7 +8,7 @@
 
 namespace schuler::gnss {
 
-/// The satellites of an epoch, their clocks taken off the pseudoranges; stations are left out.
+/// The satellites of an epoch, with their clocks removed from the pseudoranges; stations are omitted.
 [[nodiscard]] std::vector<Range> satellite_ranges(const RangingLog& log, const RangeEpoch& epoch);
 
 }  // namespace schuler::gnss

@@ -1,4 +1,4 @@
-// Satellites and their signals: systems, names and carrier frequencies as RINEX writes them.
+// Satellites and their signals: systems, names and carrier frequencies by RINEX conventions.
 #pragma once
 
 #include <compare>
@@ -13,7 +13,7 @@ namespace schuler::gnss {
 enum class System : std::uint8_t { Gps, Glonass, Galileo, BeiDou, Qzss, Sbas, Navic };
 inline constexpr std::size_t system_count = 7;
 
-/// RINEX letter: G R E C J S I. Q, which some writers give QZSS, is understood too.
+/// RINEX letter: G R E C J S I. Q, used by some writers for QZSS, is also accepted.
 [[nodiscard]] char letter_of(System system);
 [[nodiscard]] std::optional<System> system_from_letter(char letter);
 
@@ -23,7 +23,7 @@ struct SatelliteId {
     std::uint8_t number = 0;
     auto operator<=>(const SatelliteId&) const = default;
 };
-/// Numbers of satellites are below this, and indices below system_count * this.
+/// Satellite numbers are below this, and indices below system_count * this.
 inline constexpr std::size_t numbers_per_system = 100;
 [[nodiscard]] inline std::size_t index_of(SatelliteId s) {
     return static_cast<std::size_t>(s.system) * numbers_per_system + s.number;
@@ -41,11 +41,11 @@ struct Signal {
     auto operator<=>(const Signal&) const = default;
 };
 
-/// Carrier frequency of a band in Hz [RINEX304:tables 4-10]; `channel` is the GLONASS frequency number (-7 to 6). Zero for a band the
-/// system does not have. BeiDou's B1I is band 2 (1561.098 MHz).
+/// Carrier frequency of a band in Hz [RINEX304:tables 4-10]; `channel` is the GLONASS frequency number (-7 to 6). Zero if the
+/// system does not have the band. BeiDou's B1I is band 2 (1561.098 MHz).
 [[nodiscard]] double frequency_of(System system, char band, int channel = 0);
 
-/// BeiDou's numbers 1 to 5 and 59 on, whose orbits and messages (D2) are of their own kind [BeiDouICD:5.2.4.12].
+/// BeiDou numbers 1 to 5 and 59 on, which differ in orbits and messages (D2) [BeiDouICD:5.2.4.12].
 [[nodiscard]] constexpr bool is_geostationary_beidou(SatelliteId s) {
     return s.system == System::BeiDou && (s.number <= 5 || s.number >= 59);
 }

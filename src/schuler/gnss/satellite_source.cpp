@@ -17,7 +17,7 @@ std::int64_t longest_age(const KeplerEphemeris& k) {
 std::int64_t longest_age(const GlonassEphemeris&) { return 1'800'000'000'000; }
 std::int64_t longest_age(const SbasEphemeris&) { return 360'000'000'000; }
 
-/// Among ephemerides of one time the later in this order is used.
+/// Among ephemerides of one time the one with the higher rank is used.
 int rank(const KeplerEphemeris& k) { return k.message == NavMessage::Fnav ? 0 : 1; }
 template <class Other>
 int rank(const Other&) {
@@ -44,12 +44,12 @@ const Ephemeris* nearest(const std::vector<Ephemeris>& all, std::size_t first, s
     return best;
 }
 
-/// Farther apart half-way than their accuracies explain (one pair in a thousand), orbits of two messages are not of one satellite. A satellite
-/// that was moved between them calls itself unhealthy meanwhile.
+/// If orbits of two messages differ at their midpoint by more than their accuracies explain (one pair in a thousand), they are
+/// not of one satellite. A satellite that was manoeuvred between them is marked unhealthy meanwhile.
 template <class Ephemeris>
 bool contradict(const Ephemeris& a, const Ephemeris& b) {
-    constexpr double sphere = 4.03;      // of a normal distribution in three dimensions: one in a thousand is outside
-    constexpr double least_sigma = 4.0;  // m, at half of the longest age
+    constexpr double sphere = 4.03;      // of a three-dimensional normal distribution: one in a thousand is outside
+    constexpr double least_sigma = 4.0;  // m, at half of the maximum age
     const Time middle = a.toe + Duration{(b.toe - a.toe).ns / 2};
     const SatelliteState one = satellite_state(a, middle), other = satellite_state(b, middle);
     const double variance =
@@ -57,15 +57,15 @@ bool contradict(const Ephemeris& a, const Ephemeris& b) {
     return (one.position.r - other.position.r).norm() > sphere * std::sqrt(variance);
 }
 
-/// How far apart two messages may be that are compared half-way. BeiDou's are renewed each hour; how well they hold after three nothing states.
+/// Largest separation of two messages compared at their midpoint. BeiDou's are renewed hourly; their accuracy after three hours is unspecified.
 template <class Ephemeris>
 std::int64_t longest_comparison(const Ephemeris& e) {
     constexpr std::int64_t two_hours = 7'200'000'000'000;
     return e.satellite.system == System::BeiDou ? two_hours : longest_age(e);
 }
 
-/// Leaves out of all, sorted by satellite and time, what contradicts one beside it that is no older than half of what either may be used for,
-/// and every one of a satellite where most do: no single epoch shows it where several satellites have such. Adds whose they are.
+/// Excludes from all, sorted by satellite and time, those that contradict a neighbour no older than half of the validity of either, and
+/// all of a satellite if most do: a single epoch does not reveal it if several satellites are affected. Adds the satellites concerned.
 template <class Ephemeris>
 void leave_out_contradictions(std::vector<Ephemeris>& all, std::vector<SatelliteId>& whose) {
     std::size_t kept = 0;
@@ -92,7 +92,7 @@ void leave_out_contradictions(std::vector<Ephemeris>& all, std::vector<Satellite
 }
 
 bool is_healthy(const KeplerEphemeris& k) {
-    // bit 0 of QZSS health is about signals not used here
+    // bit 0 of QZSS health refers to signals not used here
     return (k.satellite.system == System::Qzss ? k.health & ~1 : k.health) == 0;
 }
 
@@ -148,7 +148,7 @@ namespace {
 
 constexpr std::size_t nodes_used = 11;
 
-/// Lagrange's polynomial through nodes whose axes are turned back to those of t.
+/// Lagrange's polynomial through nodes rotated back to the axes at t.
 Eigen::Vector3d interpolated(const PreciseSource::Node* nodes, Time t) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (std::size_t i = 0; i < nodes_used; ++i) {
@@ -172,7 +172,7 @@ std::optional<Transmitter> PreciseSource::at(SatelliteId s, Signal, Time t) cons
     const auto place = static_cast<std::size_t>(after - nodes.begin());
     const std::size_t first = std::min(place - std::min(place, nodes_used / 2 + 1), nodes.size() - nodes_used);
     const std::size_t left = std::min(place, nodes.size() - 1) - 1;
-    // no interpolation over a gap: its width is judged by the spacing of the file's first epochs
+    // no interpolation across a gap: its width is compared with the spacing of the first epochs
     const Duration spacing = nodes[1].time - nodes[0].time;
     if ((nodes[first + nodes_used - 1].time - nodes[first].time).ns > 2 * static_cast<std::int64_t>(nodes_used) * spacing.ns)
         return std::nullopt;
@@ -185,7 +185,7 @@ std::optional<Transmitter> PreciseSource::at(SatelliteId s, Signal, Time t) cons
     out.clock = (1.0 - w) * a.clock + w * b.clock;
     out.clock_rate = (b.clock - a.clock) / span;
     if (!std::isfinite(out.clock)) return std::nullopt;
-    // satellite clocks of SP3 exclude the periodic relativistic effect, -2 r.v/c^2
+    // SP3 satellite clocks exclude the periodic relativistic effect, -2 r.v/c^2
     const Eigen::Vector3d inertial =
         out.velocity + gps_earth_rate * Eigen::Vector3d(-out.position.r.y(), out.position.r.x(), 0.0);
     out.clock -= 2.0 * out.position.r.dot(inertial) / (speed_of_light * speed_of_light);

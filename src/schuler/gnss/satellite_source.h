@@ -1,4 +1,4 @@
-// Where satellite positions come from: broadcast ephemerides chosen by time, or precise orbits.
+// Sources of satellite positions: broadcast ephemerides selected by time, or precise orbits.
 #pragma once
 
 #include "schuler/gnss/ephemeris.h"
@@ -10,32 +10,32 @@
 
 namespace schuler::gnss {
 
-/// A satellite as the model of a measurement needs it.
+/// A satellite as required by the measurement model.
 struct Transmitter {
     SatelliteState state;
-    double group_delay = 0;  ///< s, of the signal asked for
+    double group_delay = 0;  ///< s, of the requested signal
     int channel = 0;         ///< GLONASS frequency number
 };
 
-/// Gives the satellite at the time of transmission.
+/// Provides the satellite state at the time of transmission.
 class SatelliteSource {
 public:
     virtual ~SatelliteSource() = default;
-    /// Nothing where there is no valid ephemeris of a healthy satellite at `t`.
+    /// Empty if there is no valid ephemeris of a healthy satellite at `t`.
     [[nodiscard]] virtual std::optional<Transmitter> at(SatelliteId satellite, Signal signal, Time t) const = 0;
 };
 
-/// Broadcast ephemerides: the one whose reference time is nearest, of several with the same the one sent last; for Galileo I/NAV before
-/// F/NAV. Valid so long after and before its reference: GPS, QZSS, NavIC half the fit interval (2 h), Galileo 4 h, BeiDou 6 h,
+/// Broadcast ephemerides: the one with the nearest reference time, of equals the one transmitted last; for Galileo I/NAV before
+/// F/NAV. Valid this long before and after the reference: GPS, QZSS, NavIC half the fit interval (2 h), Galileo 4 h, BeiDou 6 h,
 /// GLONASS 30 min, SBAS 6 min.
 class BroadcastSource final : public SatelliteSource {
 public:
     explicit BroadcastSource(Navigation navigation);
     [[nodiscard]] std::optional<Transmitter> at(SatelliteId satellite, Signal signal, Time t) const override;
     [[nodiscard]] const Navigation& navigation() const { return navigation_; }
-    /// Satellites whose messages contradict each other: these are not used.
+    /// Satellites with contradictory messages, which are not used.
     [[nodiscard]] const std::vector<SatelliteId>& contradicting() const { return contradicting_; }
-    /// The ephemeris that at() would use, healthy or not; null where none is valid.
+    /// The ephemeris used by at(), healthy or not; null if none is valid.
     [[nodiscard]] const KeplerEphemeris* kepler(SatelliteId satellite, Time t) const;
     [[nodiscard]] const GlonassEphemeris* glonass(SatelliteId satellite, Time t) const;
     [[nodiscard]] const SbasEphemeris* sbas(SatelliteId satellite, Time t) const;
@@ -49,16 +49,16 @@ private:
     std::vector<SatelliteId> contradicting_;
 };
 
-/// Positions and clocks at regular epochs (SP3), interpolated: positions by a polynomial through eleven epochs in axes that do not
-/// turn, clocks linearly. At 15 min spacing the interpolation error is below 2 cm for medium orbits, away from the file's ends.
+/// Positions and clocks at regular epochs (SP3), interpolated: positions by a polynomial through eleven epochs in non-rotating
+/// axes, clocks linearly. At 15 min spacing the interpolation error is below 2 cm for medium orbits, except near the file's ends.
 class PreciseSource final : public SatelliteSource {
 public:
     struct Node {
         Time time;
         Eigen::Vector3d position;  ///< m, Earth-fixed
-        double clock;              ///< s, without relativity; NaN where unknown
+        double clock;              ///< s, without the relativistic term; NaN if unknown
     };
-    /// Nodes of each satellite in order of time.
+    /// Nodes of each satellite in time order.
     explicit PreciseSource(std::vector<std::vector<Node>> nodes_by_satellite) : nodes_(std::move(nodes_by_satellite)) {
         nodes_.resize(satellite_count);
     }

@@ -13,21 +13,21 @@
 namespace schuler::gnss {
 namespace {
 
-constexpr double smallest_radius = 6.2e6;  ///< m: below, the position is no place for an atmosphere model
-constexpr double gross_error = 300.0;      ///< m, more than any honest pseudorange misses its model by
+constexpr double smallest_radius = 6.2e6;  ///< m: below, an atmosphere model is not applicable
+constexpr double gross_error = 300.0;      ///< m, larger than the model error of any valid pseudorange
 constexpr int most_iterations = 12;
 
 using detail::Estimate;
 using detail::NormalEquations;
 
-/// One epoch being solved. Columns of the normal equations: position 0 to 2, then a clock for each system present.
+/// One epoch to be solved. Columns of the normal equations: position 0 to 2, then a clock for each system present.
 class Epoch {
 public:
     Epoch(std::span<const Range> ranges, const BroadcastIonosphere* ionosphere, const SinglePointSettings& settings)
         : ranges_(ranges), ionosphere_(ionosphere), settings_(&settings), usable_(ranges.size(), true), models_(ranges.size()) {}
 
-    /// Position without atmosphere from the centre of the Earth; weights 1/|residual| approach the solution of least absolute
-    /// residuals. Marks what misses it grossly.
+    /// Position without atmosphere starting at the Earth's centre; weights 1/|residual| approach the solution of least absolute
+    /// residuals. Marks gross errors.
     bool start() {
         std::vector<double> weights(ranges_.size(), 1.0);
         bool converged = false;
@@ -47,7 +47,7 @@ public:
         return true;
     }
 
-    /// Full model, mask and weights. False where it does not converge or there are too few.
+    /// Full model, mask and weights. False if it does not converge or there are too few.
     bool refine() {
         for (int i = 0; i < most_iterations; ++i) {
             mask();
@@ -76,15 +76,15 @@ public:
     [[nodiscard]] const Eigen::Vector3d& position() const { return position_; }
     [[nodiscard]] const std::array<double, clock_count>& clock() const { return clock_; }
     [[nodiscard]] const Eigen::Matrix3d& covariance() const { return covariance_; }
-    /// Of the weighted least squares in the range at the last step [Groves2013:9.4.1].
+    /// Gain of the weighted least squares at the last step for a range [Groves2013:9.4.1].
     [[nodiscard]] Eigen::Vector3d gain(std::size_t k) const {
         if (!in_use(k)) return Eigen::Vector3d::Zero();
         return inverse_ * NormalEquations::row_of(models_[k].line_of_sight, clock_of(ranges_[k].satellite.system)) /
                models_[k].variance;
     }
     [[nodiscard]] double pdop() const { return pdop_; }
-    /// Of the position's error from what the models of the air miss in all directions alike, in proportion to what they say: the white part
-    /// of a range's variance averages out over the satellites, this does not.
+    /// Covariance of the position error from errors of the atmosphere models common to all directions, in proportion to the
+    /// modelled delays: the white part of a range's variance averages out over the satellites, this does not.
     [[nodiscard]] Eigen::Matrix3d air_covariance() const {
         RangeSettings ionosphere = settings_->ranges, troposphere = settings_->ranges;
         ionosphere.troposphere = TroposphereModel::None;
@@ -95,7 +95,7 @@ public:
             Eigen::Vector3d moved = Eigen::Vector3d::Zero();
             for (std::size_t k = 0; k < ranges_.size(); ++k) {
                 const Range& r = ranges_[k];
-                if (!in_use(k) || r.slow > 0.0) continue;  // what the models leave is in a given slow error
+                if (!in_use(k) || r.slow > 0.0) continue;  // the models' residual is included in a given slow error
                 const AtmosphericDelay air =
                     atmospheric_delay(r.transmit, r.satellite.system, r.frequency, here, models_[k].direction, ionosphere_, part);
                 moved += std::sqrt(air.variance) * gain(k);
@@ -104,7 +104,7 @@ public:
         }
         return sum;
     }
-    /// Of the position's error from satellites that are wrong like those left out, but by less than the test sees.
+    /// Covariance of the position error from satellites with faults like those excluded, but below the detection threshold.
     [[nodiscard]] Eigen::Matrix3d unseen_covariance(std::size_t left_out) const {
         Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
         const double in = used(), redundancy = in - unknowns();
@@ -147,7 +147,7 @@ private:
             masked_[k] = models_[k].direction.elevation < settings_->ranges.elevation_mask;
     }
 
-    /// One step of Gauss and Newton; empty weights: those of the model.
+    /// One Gauss-Newton step; empty weights: those of the model.
     std::optional<Estimate> step_from(std::span<const double> weights, bool full) {
         evaluate(full);
         NormalEquations normal;
@@ -195,7 +195,7 @@ private:
     double statistic_ = 0.0, pdop_ = 0.0;
 };
 
-/// Whether so many satellites agree that the others may be called faulty: agreement of few is found by chance where enough may be left out.
+/// True if enough satellites agree to call the others faulty: a few agree by chance if enough may be excluded.
 bool is_outvoted(const Epoch& e, std::size_t count) {
     constexpr int beyond_chance = 4;
     int out = 0;
@@ -208,14 +208,14 @@ bool is_consistent(const Epoch& e, double false_alarm) {
     return redundancy <= 0 || e.statistic() <= math::chi_square_quantile(1.0 - false_alarm, redundancy);
 }
 
-/// Leaves out satellites until the residuals fit. False where that cannot be reached. `undecided`: where leaving out another one instead would
-/// have made the rest fit as well, what those positions are apart from the one chosen.
+/// Excludes satellites until the residuals are consistent. False if that is not possible. `undecided`: if another exclusion would
+/// also have made the rest consistent, the scatter of those positions about the chosen one.
 bool excluded_until_consistent(Epoch& epoch, std::size_t count, double false_alarm, Eigen::Matrix3d& undecided) {
     while (!is_consistent(epoch, false_alarm)) {
-        // with one satellite more than unknowns a fault is seen but not whose it is
+        // with one satellite more than unknowns a fault can be detected but not identified
         if (epoch.used() - epoch.unknowns() < 2) return false;
         std::optional<Epoch> best;
-        std::vector<Eigen::Vector3d> others;  // positions that fit
+        std::vector<Eigen::Vector3d> others;  // consistent positions
         for (std::size_t k = 0; k < count; ++k) {
             if (!epoch.in_use(k)) continue;
             Epoch trial = epoch;
@@ -238,7 +238,7 @@ bool excluded_until_consistent(Epoch& epoch, std::size_t count, double false_ala
     return is_outvoted(epoch, count);
 }
 
-/// Velocity and clock drift from Doppler. A Doppler that misses by more than five sigma is left out, one after the other.
+/// Velocity and clock drift from Doppler. Dopplers that deviate by more than five sigma are excluded, one after the other.
 void solve_velocity(std::span<const Range> ranges, const Epoch& epoch, const SinglePointSettings& settings,
                     SinglePointSolution& out) {
     std::vector<bool> use(ranges.size());

@@ -1,4 +1,4 @@
-// Weeks of the satellite systems against GPS time.
+// Weeks of the satellite systems relative to GPS time.
 #pragma once
 
 #include "schuler/core/time.h"
@@ -8,12 +8,12 @@ namespace schuler::gnss {
 
 inline constexpr std::int64_t week_ns = 604'800'000'000'000;
 
-/// How far a system's own week lags GPS time: BeiDou's began without the leap seconds from 1980 to 2006.
+/// Lag of a system's week behind GPS time: BeiDou's started without the leap seconds of 1980 to 2006.
 [[nodiscard]] constexpr Duration lag_of(System system) {
     return {system == System::BeiDou ? std::int64_t{14'000'000'000} : std::int64_t{0}};
 }
 
-/// GPS week of the week that a system's own message counts as zero.
+/// GPS week of a system's week zero.
 [[nodiscard]] constexpr int first_week_of(System system) {
     return system == System::BeiDou ? 1356 : system == System::Galileo ? 1024 : 0;
 }

@@ -1,4 +1,4 @@
-// What a survey can attain at best, by covariance analysis: to be reported before and beside every estimate.
+// Best attainable accuracy of a survey from covariance analysis, to be reported together with every estimate.
 #pragma once
 
 #include "schuler/core/position.h"
@@ -8,7 +8,7 @@
 
 namespace schuler::gravimetry {
 
-/// A level survey with constant velocity, one fix a second from the start on.
+/// A level survey with constant velocity, one fix per second from the start.
 struct LevelSurvey {
     Geodetic start;
     Eigen::Vector3d v_eb_n = Eigen::Vector3d::Zero();  ///< m/s
@@ -24,14 +24,14 @@ struct Attained {
     Eigen::Vector3d velocity_n;     ///< m/s
     Eigen::Vector3d position_n;     ///< m
     Eigen::Vector3d gyro_bias_n;    ///< rad/s
-    Eigen::Vector3d disturbance_n;  ///< systematic and random part together, m/s^2
+    Eigen::Vector3d disturbance_n;  ///< systematic plus random part, m/s^2
 };
 
-/// Sigmas of NED components: attitude, velocity, position, gyro bias and disturbance of a covariance.
+/// Sigmas of the NED components of attitude, velocity, position, gyro bias and disturbance from a covariance.
 [[nodiscard]] Attained attained(const DisturbanceModel& disturbance, double t, const StateMatrix& P, const Eigen::Matrix3d& C_en,
                                 const Eigen::Matrix3d& C_eb);
 
-/// Follows the covariance over the survey and reports it after each of `times` (whole seconds, rising).
+/// Propagates the covariance over the survey and reports it at each of `times` (whole seconds, ascending).
 /// @throws Error(Input) from the disturbance model.
 [[nodiscard]] std::vector<Attained> attainable(const SurveySettings& settings, const LevelSurvey& survey,
                                                const std::vector<int>& times);

@@ -1,4 +1,4 @@
-// From F and G to one step of the covariance.
+// From F and G to one step of covariance propagation.
 #pragma once
 
 #include "schuler/gravimetry/model.h"
@@ -10,8 +10,8 @@ struct DiscreteStep {
     StateMatrix Q;
 };
 
-/// Phi = exp(F dt) to the third order, Q = (Phi G G^T Phi^T + G G^T) dt/2; F and G are means over the step. At dt = 1 s the next
-/// term is below 1e-9 of what it adds to.
+/// Phi = exp(F dt) to third order, Q = (Phi G G^T Phi^T + G G^T) dt/2; F and G are means over the step. At dt = 1 s the next term
+/// is below 1e-9 of the sum.
 [[nodiscard]] DiscreteStep discretized(const StateMatrix& F, const NoiseMatrix& G, double dt);
 
 }  // namespace schuler::gravimetry

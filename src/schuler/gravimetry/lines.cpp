@@ -19,7 +19,7 @@ double length_of(const std::vector<TrackPoint>& track, std::size_t first, std::s
     return (track[last].place - track[first].place).norm();
 }
 
-/// Every so many points of a line, its last one included.
+/// Every n-th point of a line, including its last one.
 std::vector<std::size_t> decimated(const SurveyLine& line) {
     const std::size_t stride = 1 + (line.last - line.first) / 500;
     std::vector<std::size_t> out;
@@ -30,10 +30,10 @@ std::vector<std::size_t> decimated(const SurveyLine& line) {
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
-/// Where the segments p + s d and q + t e meet: s and t within [0, 1).
+/// Intersection of the segments p + s d and q + t e: s and t within [0, 1).
 bool intersect(const Vector2d& p, const Vector2d& d, const Vector2d& q, const Vector2d& e, double& s, double& t) {
     const double area = cross(d, e);
-    if (std::abs(area) < 1e-3 * d.norm() * e.norm()) return false;  // nearly parallel: no crossover worth its name
+    if (std::abs(area) < 1e-3 * d.norm() * e.norm()) return false;  // nearly parallel: no well-defined crossover
     s = cross(q - p, e) / area;
     t = cross(q - p, d) / area;
     return s >= 0.0 && s < 1.0 && t >= 0.0 && t < 1.0;

@@ -1,6 +1,6 @@
-// The error model of the integrated gravimetric system [PaperE]: 27 states in Earth-fixed axes, more where the disturbance of gravity
-// is given slopes. math.md section 4, turned to error = estimate minus truth for every state, sensor errors included. It is for
-// analysis, dense and of an instant; estimates are those of the one filter (room filter), which has the same states as blocks.
+// The error model of the integrated gravimetric system [PaperE]: 27 states in Earth-fixed axes, more if the gravity disturbance
+// has slope states. math.md section 4, converted to error = estimate minus truth for every state, including sensor errors. For
+// analysis only, dense and at an instant; estimates come from the one filter (room filter), which has the same states as blocks.
 #pragma once
 
 #include "schuler/core/nav_state.h"
@@ -11,8 +11,8 @@
 
 namespace schuler::gravimetry {
 
-/// First of three components each. All are in Earth-fixed axes but the inertial sensors' errors (body axes) and the disturbance
-/// (DisturbanceAxes).
+/// First index of three components each. All are in Earth-fixed axes except the inertial sensor errors (body axes) and the
+/// disturbance (DisturbanceAxes).
 enum StateIndex : int {
     position = 0,        ///< m
     velocity = 3,        ///< m/s
@@ -23,10 +23,10 @@ enum StateIndex : int {
     gnss_velocity = 18,  ///< m/s
     systematic = 21,     ///< constant part of the disturbance, m/s^2
     random = 24,         ///< its random part, m/s^2
-    slope = 27,          ///< of the systematic part (polynomial) or of the random one, m/s^2 per metre along the track
+    slope = 27,          ///< of the systematic (polynomial) or random part, m/s^2 per metre along the track
     curvature = 30,      ///< second derivative of the same, m/s^2 per square metre
 };
-/// Room for every model; 36 so that columns are whole vectors. States that a model does not have keep zero variance.
+/// Capacity for every model; 36 so that columns are whole vectors. States that a model does not have keep zero variance.
 inline constexpr int max_states = 36;
 using StateVector = Eigen::Matrix<double, max_states, 1>;
 using StateMatrix = Eigen::Matrix<double, max_states, max_states>;
@@ -44,11 +44,11 @@ using filter::DisturbanceModel;
 struct SensorNoise {
     double gyro_psd = 0.0;        ///< rad^2/s
     double accel_psd = 0.0;       ///< m^2/s^3
-    double gyro_bias_psd = 0.0;   ///< rad^2/s^3; 0: constant, as [PaperE] has it
+    double gyro_bias_psd = 0.0;   ///< rad^2/s^3; 0: constant, as in [PaperE]
     double accel_bias_psd = 0.0;  ///< m^2/s^5
 };
 
-/// Where F is taken: of an instant, or means over a step.
+/// Motion at which F is evaluated: at an instant, or means over a step.
 struct Motion {
     Ecef position;
     Eigen::Vector3d v_eb_e = Eigen::Vector3d::Zero();  ///< m/s
@@ -56,19 +56,19 @@ struct Motion {
     Eigen::Vector3d f_e = Eigen::Vector3d::Zero();  ///< specific force, m/s^2
 };
 
-/// F: dx/dt = F x + G w. Derivatives of the filter's step in Earth-fixed axes, but for the turn of a local-level disturbance with an
-/// error of position: 1.6e-11 1/s^2 for 10 mGal, a hundred-thousandth of the gravity gradient. That gradient is that of the
-/// Earth's gravity model, its centrifugal part included.
+/// F: dx/dt = F x + G w. Derivatives of the filter's step in Earth-fixed axes, except for the rotation of a local-level
+/// disturbance by a position error: 1.6e-11 1/s^2 for 10 mGal, a hundred-thousandth of the gravity gradient. That gradient is
+/// that of the Earth's gravity model, including its centrifugal part.
 [[nodiscard]] StateMatrix gravity_error_dynamics(const earth::Earth& earth, const DisturbanceModel& disturbance,
                                                  const Motion& motion);
 
-/// G for w = (gyro noise, accelerometer noise, disturbance, accelerometer and gyro bias walks) of unit densities, the sensors'
-/// measured minus true: columns are scaled by the roots of the densities of `noise` and of the disturbance model.
+/// G for w = (gyro noise, accelerometer noise, disturbance, accelerometer and gyro bias random walks) of unit densities, sensor
+/// noise as measured minus true: columns are scaled by the roots of the densities of `noise` and of the disturbance model.
 [[nodiscard]] NoiseMatrix gravity_noise_input(const earth::Earth& earth, const DisturbanceModel& disturbance,
                                               const SensorNoise& noise, const Motion& motion);
 
-/// H of (position, velocity) of a receiver, computed minus measured, Earth-fixed axes. lever_arm_b: IMU to antenna, m;
-/// w_eb_b: rate of the body against the Earth, rad/s.
+/// H for (position, velocity) of a receiver, computed minus measured, Earth-fixed axes. lever_arm_b: IMU to antenna, m; w_eb_b:
+/// rate of the body relative to the Earth, rad/s.
 [[nodiscard]] GnssRows gravity_gnss_rows(const Eigen::Matrix3d& C_eb, const Eigen::Vector3d& lever_arm_b,
                                          const Eigen::Vector3d& w_eb_b);
 

@@ -37,7 +37,7 @@ struct Track {
         const Eigen::Vector3d v = motion.v_eb_n * unit;
         height = Series::line(Real(motion.start.h), Real(-v.z()));
         Series lat(Real(motion.start.lat)), lon(Real(motion.start.lon));
-        // Picard's iteration: each pass makes one more term right.
+        // Picard's iteration: each pass adds one correct term.
         const std::size_t passes = v.isZero() ? 1 : Series::terms;
         for (std::size_t pass = 0; pass < passes; ++pass) {
             std::tie(sin_lat, cos_lat) = sin_cos(lat);
@@ -75,7 +75,7 @@ Matrix C_nb(const ObservedMotion& motion, double unit) {
     return product(heading, product(pitch, roll));
 }
 
-/// exp([w x] t), w in radians a unit of time.
+/// exp([w x] t), w in radians per unit of time.
 Matrix turned_by(const std::array<Real, 3>& w) {
     std::array<std::array<Real, 3>, 3> term{};  // of t^n: [w x]^n / n!
     for (std::size_t i = 0; i < 3; ++i) term[i][i] = 1;
@@ -94,13 +94,13 @@ Matrix turned_by(const std::array<Real, 3>& w) {
     return out;
 }
 
-/// What F is made of along the motion, forces in units of g.
+/// The quantities of F along the motion, forces in units of g.
 struct Course {
     Matrix C_eb;
     Vector r, f_e;
 };
 
-/// A steady turn: at the start the same as `course`, then everything turns with the radius vector at w = r x v / r^2.
+/// A steady turn: at the start the same as `course`, then everything rotates with the radius vector at w = r x v / r^2.
 Course steady_turn(const Course& course, const Matrix& C_en, const Vector& v_n, const Matrix& heading, const Real& length) {
     const auto start = [](const Matrix& A) {
         Matrix out;
@@ -178,7 +178,7 @@ ModelSeries model_series(const earth::Earth& earth, const ObservedMotion& motion
             add(attitude, gyro_bias + j, C_eb[row][column]);
         }
     }
-    for (const int group : {velocity, attitude}) {  // Coriolis, the Earth's turn
+    for (const int group : {velocity, attitude}) {  // Coriolis, Earth rotation
         const Real rate = group == velocity ? Real(u * 2) : u;
         model.F.push_back({group, group + 1, Series(rate)});
         model.F.push_back({group + 1, group, Series(Real(-rate))});

@@ -15,14 +15,14 @@ using detail::Series;
 
 namespace {
 
-constexpr int states = Observability::most;  // those that a model does not have are columns of zeros
+constexpr int states = Observability::most;  // states that a model does not have are zero columns
 constexpr std::size_t blocks = Series::terms;
 const Real zero_pivot("1e-30");
 
 using Row = std::array<Real, states>;
 using SeriesRow = std::array<Series, states>;
 
-/// The next block's row: N F + dN/dt, right in its first `terms` coefficients when N is in one more.
+/// The next block's row: N F + dN/dt, correct in its first `terms` coefficients if N is correct in one more.
 SeriesRow next_row(const SeriesRow& N, const std::vector<detail::SeriesEntry>& F, std::size_t terms) {
     SeriesRow out;
     for (std::size_t i = 0; i < states; ++i)
@@ -39,7 +39,7 @@ SeriesRow next_row(const SeriesRow& N, const std::vector<detail::SeriesEntry>& F
     return out;
 }
 
-/// Row k of each block beside the others: all at the start of the motion.
+/// Row k of all blocks side by side: all at the start of the motion.
 std::vector<Row> observability_matrix(std::vector<detail::SeriesEntry> F, bool frozen) {
     if (frozen)
         for (detail::SeriesEntry& entry : F) entry.value = Series(entry.value[0]);

@@ -28,7 +28,7 @@ double disturbance_density(const DisturbanceModel& model, double speed, double f
 }
 
 double resolved_period(const SurveySettings& settings, const VerticalMotion& motion) {
-    // S falls and the fixes' part of N rises: the last frequency where S is the larger, sought from above.
+    // S decreases and the fixes' part of N increases: the highest frequency with S larger is searched from above.
     for (double period = 2.0; period < 1e6; period *= 1.01) {
         const double f = 1.0 / period;
         if (disturbance_density(settings.disturbance, motion.speed, f) >= noise_density(settings.noise, motion, f)) return period;

@@ -23,7 +23,7 @@ using filter::Matrix9;
 
 namespace {
 
-/// P_n: of position, velocity and attitude, local level.
+/// P_n: covariance of position, velocity and attitude, local level.
 SurveyEpoch epoch_of(const InertialModel& model, const Filter& f, const Matrix9& P_n, std::size_t fix) {
     const Layout& L = model.layout;
     const estim::StateVector parameters = f.estimated_parameters();
@@ -49,7 +49,7 @@ SurveyEpoch epoch_of(const InertialModel& model, const Filter& f, const Matrix9&
     return e;
 }
 
-/// An epoch begins with the position of a fix that is not withheld; what is measured at the same time belongs to it.
+/// An epoch starts with the position of a fix that is not withheld; simultaneous measurements belong to it.
 bool begins_epoch(const Event& event) {
     return event.kind == AidKind::GnssPosition && (event.components & 3) == 3 && !event.withheld;
 }
@@ -60,7 +60,7 @@ public:
         : model_(model), result_(result), covariances_(covariances) {}
 
     void propagated(const Filter& f, double time) override {
-        // Less what is known of the errors of a nominal state that is not corrected.
+        // Corrected for the estimated errors of a nominal state without feedback.
         const Vector3d force = f.mean_force + f.error.segment<3>(Layout::attitude).cross(f.mean_force) +
                                f.C * f.error.segment<3>(Layout::accel_bias);
         force_ += time * force;
@@ -71,7 +71,7 @@ public:
         std::vector<SurveyEpoch>& epochs = result_.forward;
         const bool begins = begins_epoch(event);
         if (!begins && (epochs.empty() || epochs.back().time != run.filter.time())) {
-            if (!epochs.empty()) count(epochs.back(), record);  // a velocity that is older or younger than its position
+            if (!epochs.empty()) count(epochs.back(), record);  // a velocity older or younger than its position
             return;
         }
         SurveyEpoch e = epoch_of(model_, run.filter, run.covariance(model_), begins ? event.index : epochs.back().fix);
@@ -114,7 +114,7 @@ private:
     double elapsed_ = 0.0;
 };
 
-/// The same epochs as points of the way back.
+/// The same epochs as points of the backward pass.
 class SurveyTape : public filter::Tape<Frame> {
 public:
     using filter::Tape<Frame>::Tape;
@@ -136,7 +136,7 @@ void open_systematic_part(const filter::Settings& settings, const InertialModel&
     if (!run.rival.empty()) open_systematic_part(settings, model, run.rival.front().run);
 }
 
-/// The run to its end, with checkpoints where they are wanted.
+/// Runs to the end, with checkpoints if required.
 std::vector<FilterRun> run_along(const filter::Pass<Frame>& pass, const filter::RunData& data, const filter::Settings& settings,
                                  const InertialModel& model, FilterRun& run, const SurveyOptions& options, bool keep,
                                  filter::PassObserver<Frame>& observer) {
@@ -183,7 +183,7 @@ SurveyResult run_survey(const filter::RunData& data, const filter::Settings& set
     const auto begin = [&] {
         FilterRun run = filter::first_step<Frame>(model, data, settings, start);
         run.next_output = Time{INT64_MAX};
-        // What is measured at the start itself meets a body whose rate is not known yet.
+        // Measurements at the start itself are used before the rate of the body is known.
         while (run.event < data.events.size() && data.events[run.event].valid <= start.nav.time) ++run.event;
         return run;
     };
@@ -196,7 +196,7 @@ SurveyResult run_survey(const filter::RunData& data, const filter::Settings& set
         throw input_error("no satellite fix lies within the IMU log", {}, "check the time stamps of both");
     if (!options.smooth) return result;
     const filter::Pass<Frame> decided(model, data, settings, filter::Rivalry::Decided, run.openings);
-    if (run.sides_changed > 0) {  // again, by the hypotheses that were right in the end
+    if (run.sides_changed > 0) {  // repeated with the hypotheses that were finally accepted
         filter::PassObserver<Frame> nobody;
         FilterRun right = begin();
         checkpoints = run_along(decided, data, settings, model, right, options, true, nobody);
@@ -206,7 +206,7 @@ SurveyResult run_survey(const filter::RunData& data, const filter::Settings& set
     filter::rewind_checkpoints(
         decided, model, checkpoints, data.imu.increments.size() - 1, data.imu.increments.size(), tape, options.progress,
         [&](auto, const SurveyTape::Point& point, const estim::StateAdjoint& adjoint) {
-            if (point.time >= last) return;  // of the same epoch: the last of them counts
+            if (point.time >= last) return;  // of the same epoch: the last of them is used
             last = point.time;
             Filter f = point.filter;
             smooth_in_place(model, f, adjoint, true);

@@ -24,11 +24,11 @@ void require_direction(const Vector3d& v, const char* name) {
                      "check the units and the columns of the accelerometers and gyros"));
 }
 
-/// Components in the level frame that has the body's heading.
+/// Components in the level frame with the body's heading.
 Vector3d levelled(const Vector3d& v_b, double roll, double pitch) { return math::dcm_from_rpy(Vector3d(roll, pitch, 0.0)) * v_b; }
 
-/// From what the two vectors fix: phi_N = da_E/g, phi_E = -da_N/g, phi_D = dw_E/(w_ie cos lat) - phi_N tan lat, with sigmas
-/// tilt = accel_std/g and azimuth = gyro_std/(w_ie cos lat), to the angles.
+/// Conversion of the errors determined by the two vectors, phi_N = da_E/g, phi_E = -da_N/g, phi_D = dw_E/(w_ie cos lat) - phi_N
+/// tan lat, with sigmas tilt = accel_std/g and azimuth = gyro_std/(w_ie cos lat), to the angles.
 Vector3d predicted_std(const Vector3d& rpy, double tilt, double azimuth, double tan_lat) {
     Eigen::Matrix3d P = Eigen::Matrix3d::Zero();
     P(0, 0) = P(1, 1) = tilt * tilt;
@@ -79,8 +79,8 @@ Quaterniond attitude_from_specific_force(const Vector3d& f_b, const Vector3d& f_
     require_direction(f_b, "specific force in body axes");
     require_direction(f_n, "specific force in local level");
     const Quaterniond any = Quaterniond::FromTwoVectors(f_b, f_n);
-    // All rotations that map f_b on f_n are `any` turned about f_n by an angle; the x axis then runs round a cone, and its
-    // component across the stated heading, along + c cos + s sin of that angle, must vanish.
+    // All rotations that map f_b to f_n are `any` rotated about f_n by an angle; the x axis then moves on a cone, and its
+    // component perpendicular to the stated heading, along + c cos + s sin of that angle, must vanish.
     const Vector3d axis = f_n.normalized();
     const Vector3d x = any * Vector3d::UnitX();
     const Vector3d ahead(std::cos(heading), std::sin(heading), 0.0), across(-ahead.y(), ahead.x(), 0.0);

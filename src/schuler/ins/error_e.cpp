@@ -13,8 +13,8 @@ using math::skew;
 
 namespace {
 
-/// Gradient of the gravity vector in Earth-fixed axes, 1/s^2: C_en (dg_n/dr_n + the turn of the local level under g_n) C_ne.
-/// Written in local-level components that stay finite at the poles, where g_north tan(lat) does too.
+/// Gradient of the gravity vector in Earth-fixed axes, 1/s^2: C_en (dg_n/dr_n + the rotation of the local level under g_n) C_ne.
+/// Written in local-level components that are finite at the poles, where g_north tan(lat) is finite too.
 Matrix3d gravity_gradient_e(const earth::Earth& earth, const Ecef& position) {
     const Geodetic p = earth::geodetic_from_ecef(earth.ellipsoid, position);
     const earth::EarthTerms t = earth::terms_at(earth, p, Vector3d::Zero());
@@ -48,7 +48,7 @@ ErrorDynamics error_e(const earth::Earth& earth, const Ecef& position, const Vec
 
 Eigen::Matrix<double, 9, 9> geographic_from_ecef_errors(const earth::Earth& earth, const NavState& state) {
     earth::EarthTerms t = earth::terms_at(earth, state.position, state.v_eb_n);
-    // North turns with the position by tan(lat) / R: a radian a metre at a metre from the pole, where it stops to have a meaning.
+    // North rotates with position by tan(lat) / R: a radian per metre at a metre from the pole, where it becomes undefined.
     t.tan_lat = std::clamp(t.tan_lat, -t.rn, t.rn);
     const Matrix3d C_ne = earth::C_en(state.position.lat, state.position.lon).transpose();
     const Matrix3d turn = level_rotation_by_displacement(t) * C_ne;

@@ -11,7 +11,7 @@ using math::skew;
 
 namespace {
 
-/// Derivatives of the radii of curvature by latitude, m/rad (math.md 2.3).
+/// Derivatives of the radii of curvature with respect to latitude, m/rad (math.md 2.3).
 struct RadiiSlope {
     double meridian, prime_vertical;
 };
@@ -62,7 +62,7 @@ ErrorDynamics error_n(const earth::Earth& earth, const earth::EarthTerms& t, con
     // clang-format on
     d.pv.setIdentity();
 
-    // Rates by displacement: of the Earth's rotation, and of the transport rate.
+    // Rates with respect to displacement: of the Earth's rotation, and of the transport rate.
     Matrix3d earth_rate = Matrix3d::Zero();
     earth_rate(0, 0) = -u * t.sin_lat * irm;
     earth_rate(2, 0) = -u * t.cos_lat * irm;

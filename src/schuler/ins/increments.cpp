@@ -20,9 +20,9 @@ struct Sums {
     Vector3d alpha, nu, coning, sculling;
 };
 
-/// Sums to a step. With phi = alpha + coning the velocity increment is, in axes halfway through the rotation,
-/// u = nu + sculling + k phi x (phi x nu): k = (1 - sin(|phi|/2)/(|phi|/2))/|phi|^2 makes it exact for constant w and f, and the
-/// halfway axes make the formula even in time, so that no term of the fourth order is missing. Then u is turned by phi/2.
+/// Sums to a step. With phi = alpha + coning the velocity increment in the axes halfway through the rotation is u = nu + sculling
+/// + k phi x (phi x nu): k = (1 - sin(|phi|/2)/(|phi|/2))/|phi|^2 makes it exact for constant w and f, and with the halfway axes
+/// the formula is even in time, so that no fourth-order term is missing. Then u is rotated by phi/2.
 CompensatedIncrement step_from(Time time, double dt, const Sums& s) {
     const Vector3d phi = s.alpha + s.coning;
     const double p2 = phi.squaredNorm();
@@ -41,12 +41,12 @@ struct Pair {
     double weight;
 };
 
-// Weights. Under classical coning, w = (cos, sin, 0) of angle Omega t, the product of samples at distance k is
-// 4 sin^2(lambda/2) sin(k lambda) along z for unit cone angle, whichever pair it is, and the exact correction of a step of N is
-// (N lambda - sin N lambda)/2. Matching powers of lambda up to lambda^(2N-1) fixes the sum of weights of each distance:
-// N = 2: 2/3; N = 3: 27/20, 9/20; N = 4: 214/105, 92/105, 54/105 (as Miller and Ignagni). The sums are spread symmetrically in
-// time, which removes all errors of even order in general motion. One freedom is left for N = 4, the share of the middle pair:
-// it is set so that the fifth order is right in any motion (rates cubic in time), not in coning alone.
+// Weights. Under classical coning, w = (cos, sin, 0) of angle Omega t, the product of samples at distance k is 4 sin^2(lambda/2)
+// sin(k lambda) along z for unit cone angle, for any such pair, and the exact correction of a step of N is (N lambda - sin N
+// lambda)/2. Matching powers of lambda up to lambda^(2N-1) determines the sum of weights of each distance: N = 2: 2/3; N = 3:
+// 27/20, 9/20; N = 4: 214/105, 92/105, 54/105 (as Miller and Ignagni). The sums are spread symmetrically in time, which removes
+// all errors of even order in general motion. One free parameter remains for N = 4, the weight of the middle pair: it is set so
+// that the fifth order is correct for any motion (rates cubic in time), not only for coning.
 constexpr std::array<Pair, 1> two_sample{Pair{0, 1, 2.0 / 3}};
 constexpr std::array<Pair, 3> three_sample{Pair{0, 1, 27.0 / 40}, Pair{1, 2, 27.0 / 40}, Pair{0, 2, 9.0 / 20}};
 constexpr std::array<Pair, 6> four_sample{Pair{0, 1, 232.0 / 315}, Pair{2, 3, 232.0 / 315}, Pair{1, 2, 178.0 / 315},
@@ -67,8 +67,8 @@ Sums sums_of(std::span<const ImuIncrement> samples, std::span<const Pair> pairs)
     return s;
 }
 
-/// The step of one sample with the correction that linear rates through it and a neighbour give; the mean rates of the two are
-/// half the sum of their lengths apart. 1/12 of the cross product in the order of time for equal lengths.
+/// The step of one sample corrected for linear rates through it and a neighbour; the mean rates of the two are half the sum of
+/// their lengths apart. 1/12 of the cross product in time order for equal lengths.
 CompensatedIncrement with_neighbour(const ImuIncrement& sample, const ImuIncrement& earlier, const ImuIncrement& later) {
     const double other = &sample == &earlier ? later.dt : earlier.dt;
     const double weight = sample.dt * sample.dt / (6.0 * other * (earlier.dt + later.dt));

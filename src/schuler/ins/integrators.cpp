@@ -73,7 +73,7 @@ QuaternionPair step_pair(const QuaternionPair& pair, const Vector3d& beta, const
 }
 
 Matrix3d matrix_from(const QuaternionPair& pair) {
-    // Eigen's conversion is the paper's formula: it does not divide by the norm.
+    // Eigen's conversion equals the paper's formula: it does not divide by the norm.
     return pair.mu.toRotationMatrix().transpose() * pair.lambda.toRotationMatrix();
 }
 

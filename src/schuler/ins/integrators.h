@@ -1,4 +1,4 @@
-// The attitude integrators that paper A (section 1.3) compares, with its misprints corrected: for reference and comparison, not
+// The attitude integrators compared in paper A (section 1.3), with misprints corrected: for reference and comparison, not
 // for the filter. Each is a pure function of one step. Axes in this file are the paper's: local level north-up-east ("NHE"), body
 // forward-up-right, psi counter-clockwise about up (heading = -psi); earth/axes.h converts.
 #pragma once
@@ -15,7 +15,7 @@ struct Angles {
 
 /// Body to local level, (1.3.8) (math.md E2.19).
 [[nodiscard]] Eigen::Matrix3d matrix_from(const Angles& angles);
-/// Initial quaternion, body to local level (math.md 2.5, E2.18: the printed one belongs to another order of rotations).
+/// Initial quaternion, body to local level (math.md 2.5, E2.18: the printed one is for a different order of rotations).
 [[nodiscard]] Eigen::Quaterniond quaternion_from(const Angles& angles);
 
 /// Time derivatives of the angles, (1.3.7), rad/s. w: rate of the body relative to local level in body axes, (1.3.6).
@@ -24,8 +24,8 @@ struct Angles {
 /// One midpoint step of the angles over dt (s) with constant w: error of the third order a step.
 [[nodiscard]] Angles step_angles(const Angles& angles, const Eigen::Vector3d& w, double dt);
 
-/// Whether a step restores the norm (quaternion) or orthogonality (matrix) that it breaks. The paper claims "guaranteed
-/// orthogonality" without it; that is false: see the growths below.
+/// Whether a step restores the norm (quaternion) or orthogonality (matrix) afterwards. The paper claims "guaranteed
+/// orthogonality" without it; this is false: see the growth rates below.
 enum class Normalise { No, Yes };
 
 /// Poisson's equation dB/dt = B [w_body x] - [w_level x] B to second order: beta (body) and zeta (local level) are integrals
@@ -47,7 +47,7 @@ enum class Normalise { No, Yes };
 struct QuaternionPair {
     Eigen::Quaterniond lambda, mu;
 };
-/// lambda by the second, mu by the first approximation. beta, zeta as in step_poisson.
+/// lambda by the second approximation, mu by the first. beta, zeta as in step_poisson.
 [[nodiscard]] QuaternionPair step_pair(const QuaternionPair& pair, const Eigen::Vector3d& beta, const Eigen::Vector3d& zeta,
                                        Normalise normalise);
 /// B from the pair by the paper's formula 1 - 2 (l2^2 + l3^2), ...: not orthogonal unless the norms are 1.

@@ -10,14 +10,14 @@
 
 namespace schuler::ins::paper_a {
 
-/// How many fast steps make a medium one, and how many medium steps make a slow one. 1 and 1: all at the rate of the increments.
+/// Number of fast steps per medium step, and of medium steps per slow step. 1 and 1: all at the rate of the increments.
 struct RateSplit {
     int fast_per_medium = 4;
     int medium_per_slow = 5;
 };
 
-/// The state of the split algorithm, in the paper's axes (north-up-east, forward-up-right), with what the slower rates hold. What
-/// is held is stale by half a slow period on the mean: the algorithm is of the first order in it.
+/// The state of the split algorithm, in the paper's axes (north-up-east, forward-up-right), with the values held by slower rates.
+/// Held values are on average half a slow period old: the algorithm is of first order in that period.
 struct SplitState {
     Time time;
     Geodetic position;
@@ -38,17 +38,17 @@ struct SplitState {
 [[nodiscard]] SplitState split_from(const earth::Earth& earth, const NavState& state);
 [[nodiscard]] NavState nav_state_of(const SplitState& state);
 
-/// Fast: rate relative to local level (1.3.6), angles (1.3.7). Increment in the program's body axes; no coning correction, as
+/// Fast: rate relative to local level (1.3.6), angles (1.3.7). Increment in the program's body axes; no coning correction, as in
 /// the paper.
 [[nodiscard]] SplitState fast_step(const SplitState& state, const ImuIncrement& increment);
 /// Medium: acceleration through the mean of B at both ends (1.3.9), velocity (1.3.10) with the Coriolis signs reversed
 /// (math.md E2.21).
 [[nodiscard]] SplitState medium_step(const SplitState& state);
 /// Slow: position (1.3.11) by the mean velocity, rates of local level (1.3.12), (1.3.13) and gravity from `earth` in place of the
-/// series (1.3.14), which earth/paper_series.h has.
+/// series (1.3.14), which is in earth/paper_series.h.
 [[nodiscard]] SplitState slow_step(const earth::Earth& earth, const SplitState& state);
 
-/// One increment: the fast step, and the slower ones when they are due.
+/// Processes one increment: the fast step, and the slower ones when due.
 [[nodiscard]] SplitState split_step(const earth::Earth& earth, const SplitState& state, const ImuIncrement& increment,
                                     const RateSplit& split);
 

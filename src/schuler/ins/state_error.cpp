@@ -20,7 +20,7 @@ NavState corrected(const earth::Earth& earth, const NavState& estimate, const Ve
 
 NavState perturbed(const earth::Earth& earth, const NavState& truth, const Vector9& dx) {
     NavState s = truth;
-    // The radii belong to the estimate, which is what is sought: a fixed point that gains a factor |dr| tan(lat)/R a pass.
+    // The radii are those of the unknown estimate: a fixed-point iteration that converges by a factor |dr| tan(lat)/R per pass.
     Geodetic p = earth::moved_by_ned(earth, truth.position, dx.head<3>());
     for (int pass = 0; pass < 20; ++pass) {
         const Geodetic back = earth::moved_by_ned(earth, p, -dx.head<3>());

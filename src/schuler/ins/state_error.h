@@ -1,4 +1,4 @@
-// Applying errors to navigation states: the one place where the convention of docs/conventions.md is executed.
+// Applying errors to navigation states: the only place that implements the sign convention of docs/conventions.md.
 #pragma once
 
 #include "schuler/core/nav_state.h"
@@ -8,7 +8,7 @@
 
 namespace schuler::ins {
 
-/// Position error (m), velocity error (m/s), attitude error phi (rad); local level or Earth-fixed axes as the state's frame.
+/// Position error (m), velocity error (m/s), attitude error phi (rad); local-level or Earth-fixed axes, as the state's frame.
 using Vector9 = Eigen::Matrix<double, 9, 1>;
 
 /// The state with an estimated error dx = estimate minus truth removed: position -= dr (metres over R_M + h and R_N + h of the

@@ -14,8 +14,8 @@ NavState step_n(const earth::Earth& earth, const NavState& state, const Compensa
     const double dt = increment.dt;
     const Vector3d& v = state.v_eb_n;
 
-    // Position in the middle, where the Earth terms are taken once; longitude plays no part in them. Half a step of latitude needs no
-    // better radius than the first term of its series (8e-5), and no sine of its own.
+    // Position at mid-step, where the Earth terms are evaluated once; they do not depend on longitude. Half a step of latitude
+    // requires only the first term of the radius series (8e-5), and no additional sine.
     const double s0 = std::sin(state.position.lat), c0 = std::cos(state.position.lat), e2 = earth.ellipsoid.e2();
     const double meridian = earth.ellipsoid.a * (1.0 - e2) * (1.0 + 1.5 * e2 * s0 * s0);
     const double half = 0.5 * dt * v.x() / (meridian + state.position.h), half2 = half * half;
@@ -23,11 +23,11 @@ NavState step_n(const earth::Earth& earth, const NavState& state, const Compensa
     const earth::EarthTerms terms =
         earth::terms_at(earth, s0 * cosine + c0 * sine, c0 * cosine - s0 * sine, state.position.h - 0.5 * dt * v.z(), v);
 
-    // Velocity in the middle: half of the step's change, in which the Coriolis term of the start is good enough.
+    // Velocity at mid-step: half of the step's change, for which the Coriolis term at the start is sufficient.
     const Vector3d zeta_start = dt * (terms.w_ie_n + terms.w_en_n);
     const Vector3d dv_n = detail::velocity_increment_in(state.q_nb, increment, zeta_start);
     const Vector3d v_middle = v + 0.5 * (dv_n + dt * (terms.g_n - (2.0 * terms.w_ie_n + terms.w_en_n).cross(v)));
-    const double by_rn = 1.0 / terms.rn, by_rm = 1.0 / terms.rm;  // divisions are what this step costs most
+    const double by_rn = 1.0 / terms.rn, by_rm = 1.0 / terms.rm;  // divisions dominate the cost of this step
     const double east_rate = v_middle.y() * by_rn;
     const Vector3d w_en_n(east_rate, -v_middle.x() * by_rm, -east_rate * terms.tan_lat);
 

@@ -1,4 +1,4 @@
-// What each column of a file was taken for, and why.
+// Interpretation of each column of a file, and the reason.
 #pragma once
 
 #include <filesystem>
@@ -6,8 +6,8 @@
 
 namespace schuler::inspect {
 
-/// How each file was recognised, and what each of its columns was taken for, a line each.
-/// @throws Error(Input) where the path does not exist or the folder cannot be listed
+/// How each file was recognised, and each of its columns interpreted, one line each.
+/// @throws Error(Input) if the path does not exist or the folder cannot be listed
 [[nodiscard]] std::string explain(const std::filesystem::path& path);
 
 }  // namespace schuler::inspect

@@ -44,7 +44,7 @@ std::vector<fs::path> files_in(const fs::path& folder, Study& study) {
     return paths;
 }
 
-/// Files one folder deeper, of folders that are no results of a run; a folder that holds nothing but one folder is that folder.
+/// Files one folder deeper, except in result folders of runs; a folder that contains only one folder is replaced by that.
 std::vector<fs::path> files_below(const fs::path& folder, Study& study) {
     std::vector<fs::path> folders, found;
     std::error_code ec;
@@ -80,13 +80,13 @@ bool is_prose(const fs::path& path) {
            extension == ".png" || extension == ".jpg" || extension == ".pdf" || extension == ".py" || extension == ".m";
 }
 
-// How well a file fills its role: dated formats and those with more of the wished columns first, then the name decides.
+// Suitability of a file for its role: dated formats and those with more of the desired columns first, then by name.
 int preference(const LoadedFile& file) {
     int points = file.has("height_m") ? 1 : 0;
     if (file.has("vel_n_m_s")) points += 2;
     if (file.report.rows > 10) points += 4;
     if (file.report.path.find(".ubx#") != std::string::npos)
-        points -= 8;  // what the receiver made of its measurements, where nothing better is there
+        points -= 8;  // the receiver's own processing, used if nothing better is available
     return points;
 }
 
@@ -100,7 +100,7 @@ const GivenFile* named(const Given& given, io::TableKind kind) {
     return file != nullptr && !file->path.empty() ? file : nullptr;
 }
 
-/// Written by a run of this program and not changed since: no log, and no reference for the next run either.
+/// Written by a run of this program and unchanged: not a log, and not a reference for the next run.
 bool is_result(const LoadedFile& file) {
     const io::StreamPath where = io::stream_path(file.path);
     const std::string name = where.file.filename().string();
@@ -155,7 +155,7 @@ void choose_files(Study& study) {
     shift(study.reference_file, study.given.reference);
 }
 
-/// Logs with the names of the interface and nothing else to be found in them: speed by wheels, heading.
+/// Logs with the names of the interface and no further content to evaluate: wheel speed, heading.
 void choose_plain_aids(Study& study) {
     if (!study.given.find_aids) return;
     for (const char* section : {"odometer", "heading"}) {
@@ -227,20 +227,20 @@ std::string_view name_of(Level level) {
 
 namespace {
 
-/// A file as what it is: a table, or a log of several instruments.
+/// Loads a file according to its type: a table, or a log of several instruments.
 void load_one(const fs::path& file, const std::string& name, Study& study) {
     const io::Format* format = nullptr;
     try {
         format = io::format_of(file);
     } catch (const Error&) {
-        // load_file says what is wrong
+        // load_file reports the error
     }
     const bool streams = format != nullptr && format->read != nullptr && !format->one_stream;
     const bool receiver =
         streams &&
         (format->name == "ubx" ||
          (format->name == "novatel" &&
-          io::raw_format(file) == io::RawFormat::Novatel));  // raw measurements first, and what the receiver itself made of them
+          io::raw_format(file) == io::RawFormat::Novatel));  // raw measurements first, then the receiver's own solution
     if (!streams || receiver) study.files.push_back(detail::load_file(file, name));
     if (!streams || (receiver && study.files.back().report.kind != format->name)) return;
     const std::size_t whole = study.files.size() - 1;
@@ -251,7 +251,7 @@ void load_one(const fs::path& file, const std::string& name, Study& study) {
     }
 }
 
-/// Loads the files with a given role, then the others of the folder (or the one file) where they may take one.
+/// Loads the files with a given role, then the others of the folder (or the one file) if they may take one.
 void load_files(const fs::path& path, Study& study) {
     std::error_code failure;
     const bool folder = fs::is_directory(path, failure) && io::format_of(path) == nullptr;
@@ -267,7 +267,7 @@ void load_files(const fs::path& path, Study& study) {
         if (!fs::is_regular_file(file->path, failure)) {
             const io::StreamPath where = io::stream_path(file->path);
             if (where.stream.empty()) continue;
-            if (!given.find_imu)  // else the IMU may be in the same log
+            if (!given.find_imu)  // otherwise the IMU may be in the same log
                 std::erase_if(others, [&](const fs::path& p) { return fs::equivalent(p, where.file, failure); });
             study.files.push_back(detail::load_given_stream(file->path, file->name,
                                                             {kind, {file->columns, file->scale, {}}, {}, file->time_offset}));
@@ -279,7 +279,7 @@ void load_files(const fs::path& path, Study& study) {
         study.files.push_back(detail::load_file(file->path, file->name, as));
     }
     const auto load = [&](const fs::path& file) {
-        // beside files that are named, only tables can take a role, and the IMU's in the log of a receiver
+        // in addition to named files, only tables can take a role, and the IMU's in the log of a receiver
         const bool raw = io::raw_format(file) != io::RawFormat::None;
         if (is_prose(file) || (!given.find_logs && ((raw && !given.find_imu) || file.extension() == ".toml"))) return;
         const std::string name = folder ? fs::relative(file, path, failure).generic_string() : file.filename().string();
@@ -294,7 +294,7 @@ void load_files(const fs::path& path, Study& study) {
         for (const fs::path& file : files_below(path, study)) load(file);
 }
 
-/// The span that shows what follows from motion, s after the first epoch of the GNSS log (of the IMU log where there is none).
+/// The interval of the evidence from motion, s after the first epoch of the GNSS log (of the IMU log if there is none).
 void date_facts(const Study& study, std::vector<Fact>& facts) {
     if (study.imu.empty()) return;
     double from = study.imu.t.front(), to = study.imu.t.back();
@@ -311,7 +311,7 @@ void date_facts(const Study& study, std::vector<Fact>& facts) {
     }
 }
 
-/// Times on the axis of the study's series: the GNSS log's, the IMU log's where there is none.
+/// Times on the axis of the study's series: that of the GNSS log, or of the IMU log if there is none.
 Motion motion_of(const Study& study) {
     Motion m;
     const double origin = study.origin.seconds();
@@ -392,7 +392,7 @@ InspectReport inspect(const std::filesystem::path& path, const Given& given) {
     std::erase_if(report.facts, [&](const Fact& fact) {
         const bool table = std::holds_alternative<std::map<std::string, std::string>>(fact.value) ||
                            std::holds_alternative<std::map<std::string, double>>(fact.value);
-        return given.has(fact.key) && !table;  // a table may say less than was found
+        return given.has(fact.key) && !table;  // a given table may have fewer entries than found
     });
     date_facts(study, report.facts);
     if (study.imu_file != nullptr || study.gnss_file != nullptr) report.dataset_toml = study.draft.text();

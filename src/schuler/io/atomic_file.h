@@ -1,4 +1,4 @@
-// A file that appears under its name only when it is complete.
+// A file that appears under its name only when complete.
 #pragma once
 
 #include <cstddef>
@@ -8,12 +8,12 @@
 
 namespace schuler::io {
 
-/// Name of a new, empty file beside `path`, created for this process. Throws Error(Input) where the folder does not exist
-/// or cannot be written.
+/// Name of a new, empty file beside `path`, created for this process. Throws Error(Input) if the folder does not exist or cannot
+/// be written.
 [[nodiscard]] std::filesystem::path create_beside(const std::filesystem::path& path);
 
-/// Writes beside the wanted name, in the same folder, and renames on commit(). Without commit() nothing is left behind.
-/// A target that exists and is no regular file (a pipe, /dev/stdout) is written directly.
+/// Writes to a temporary name in the same folder, and renames on commit(). Without commit() no file remains.
+/// A target that exists and is not a regular file (a pipe, /dev/stdout) is written directly.
 class AtomicFile {
 public:
     /// Throws Error(Input): no such folder, no permission, a directory of that name, a file that is not Schuler's own (io/own_files.h).
@@ -22,9 +22,9 @@ public:
     AtomicFile(const AtomicFile&) = delete;
     AtomicFile& operator=(const AtomicFile&) = delete;
 
-    /// Throws Error(Computation) where the disk is full or fails.
+    /// Throws Error(Computation) if the disk is full or fails.
     void write(std::string_view bytes);
-    /// Closes and gives the file its name. Throws as write() does.
+    /// Closes the file and renames it. Throws as write() does.
     void commit();
     [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 

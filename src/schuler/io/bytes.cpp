@@ -17,7 +17,7 @@ struct CloseGz {
     void operator()(gzFile file) const { gzclose(file); }
 };
 
-/// Reads until the end or until there are more than `limit` bytes.
+/// Reads to the end or until there are more than `limit` bytes.
 std::string read_until(const TextInput& input, std::size_t limit) {
     if (input.in_memory()) return std::string(input.content());
     check_regular_file(input.name());

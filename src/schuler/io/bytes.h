@@ -1,4 +1,4 @@
-// Whole files in memory: binary logs and formats that jump about in their text.
+// Whole files in memory: binary logs and text formats that require random access.
 #pragma once
 
 #include "schuler/io/text/text_input.h"
@@ -9,15 +9,15 @@
 
 namespace schuler::io {
 
-/// The whole input, decompressed where it is gz-compressed.
-/// @throws Error(Input): no such file, a directory, not readable, damaged or cut compression, more than `limit` bytes.
+/// The whole input, decompressed if gz-compressed.
+/// @throws Error(Input): no such file, a directory, not readable, damaged or truncated compression, more than `limit` bytes.
 [[nodiscard]] std::string read_bytes(const TextInput& input, std::size_t limit = std::size_t{4} << 30);
 
-/// The first `count` bytes of the input, or as many as there are, decompressed: to tell formats apart without reading it all.
+/// The first `count` bytes of the input, or as many as there are, decompressed: to recognise a format without a full read.
 /// @throws as read_bytes does
 [[nodiscard]] std::string read_head(const TextInput& input, std::size_t count);
 
-/// Lines of a text in memory, without their ends (LF, CR LF); the last one needs none.
+/// Lines of a text in memory, without their ends (LF, CR LF); the last one may lack an end.
 class Lines {
 public:
     explicit Lines(std::string_view text) : rest_(text) {}
@@ -31,8 +31,8 @@ public:
         return true;
     }
     [[nodiscard]] std::string_view line() const { return line_; }
-    [[nodiscard]] long number() const { return number_; }  ///< from 1
-    /// First byte of the line that next() would give; zero at the end.
+    [[nodiscard]] long number() const { return number_; }  ///< starting at 1
+    /// First byte of the next line; zero at the end.
     [[nodiscard]] char peek() const { return rest_.empty() ? '\0' : rest_.front(); }
 
 private:
@@ -40,7 +40,7 @@ private:
     long number_ = 0;
 };
 
-/// Columns [from, from + count) of a line, as much of them as there is.
+/// Columns [from, from + count) of a line, as far as they exist.
 [[nodiscard]] inline std::string_view columns_of(std::string_view line, std::size_t from, std::size_t count) {
     return from >= line.size() ? std::string_view{} : line.substr(from, count);
 }

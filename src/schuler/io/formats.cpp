@@ -9,7 +9,7 @@
 
 namespace schuler::io {
 
-// In the order in which they are tried: what is recognised by a mark of its own first, tables of text last.
+// In the order in which they are tried: formats with a signature first, text tables last.
 #define SCHULER_FORMATS(FORMAT)      \
     FORMAT(rinex_observation_format) \
     FORMAT(rinex_navigation_format)  \
@@ -81,7 +81,7 @@ const Format* format_to_write(const std::filesystem::path& file) {
     std::size_t best_place = 0;
     for (const Format* format : formats()) {
         if (format->write == nullptr) continue;
-        std::size_t place = 0;  // what a format is called first is its own
+        std::size_t place = 0;  // the first name of a format is its own
         for (std::string_view rest = format->extensions; !rest.empty(); ++place) {
             const std::size_t end = std::min(rest.find(' '), rest.size());
             if (rest.substr(0, end) == extension && (best == nullptr || place < best_place)) best = format, best_place = place;

@@ -1,4 +1,4 @@
-// docs/files.md and `schuler help formats`, from the tables that the readers use.
+// docs/files.md and `schuler help formats`, from the tables used by the readers.
 #include "schuler/io/formats.h"
 #include "schuler/io/text/detail/column_dictionary.h"
 
@@ -42,7 +42,7 @@ std::string columns_of(TableKind kind) {
         std::string note;
         if (q.sign < 0.0) note = ", with the other sign";
         if (q.height != HeightKind::Unstated) note += fmt::format(", {}", name_of(q.height));
-        // components that differ by their axis alone are one row
+        // components that differ only in their axis share a row
         out += fmt::format("| `{}`{} | {} |\n", q.canonical, note, listed(q.stems));
     }
     return out;

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Size and time of the last change, as a line of the list has them.
+/// Size and modification time, as in a line of the list.
 struct Stamp {
     std::int64_t size = 0, changed_ns = 0;
     bool operator==(const Stamp&) const = default;
@@ -32,7 +32,7 @@ std::optional<Stamp> stamp_of(const fs::path& file) {
 
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
 
-/// A line a file, "SIZE TIME NAME"; the last line about a name counts, so that several processes may append.
+/// One line per file, "SIZE TIME NAME"; the last line of a name is valid, so that several processes may append.
 std::optional<Stamp> listed(const fs::path& file) {
     std::ifstream list(folder_of(file) / own_files_list);
     const std::string name = file.filename().string();

@@ -11,7 +11,7 @@
 namespace schuler::io {
 namespace {
 
-/// When a file was last written, as GPS time.
+/// Modification time of a file, as GPS time.
 Time last_written(const std::filesystem::path& file) {
     std::error_code ec;
     const auto written = std::filesystem::last_write_time(file, ec);

@@ -1,15 +1,15 @@
-// Files that may be read: neither pipes nor devices, at which a reader would wait for ever.
+// Files that may be read: neither pipes nor devices, which could block a reader indefinitely.
 #pragma once
 
 #include <filesystem>
 
 namespace schuler::io {
 
-/// @throws Error(Input) where `path` does not exist, cannot be looked at, or is no regular file on a disk (a folder, pipe, socket, device, or a
-/// window into the system as in /proc)
+/// @throws Error(Input) if `path` does not exist, is not accessible, or is not a regular file on a disk (a folder, pipe, socket,
+/// device, or a virtual file as in /proc)
 void check_regular_file(const std::filesystem::path& path);
 
-/// Whether it would be accepted.
+/// True if it would be accepted.
 [[nodiscard]] bool is_regular_file(const std::filesystem::path& path);
 
 }  // namespace schuler::io

@@ -23,7 +23,7 @@ StagedFolder::StagedFolder(fs::path target) : target_(std::move(target)) {
     if (ec)
         throw input_error(fmt::format("the folder cannot be made: {}", ec.message()), place_in(target_.string()),
                           "give another one with -o");
-    // Inside the folder: the same file system, whatever is mounted there, and the same permissions.
+    // Inside the folder: the same file system and the same permissions.
     stage_ = target_ / fmt::format(".{}-{}.part", getpid(), counter++);
     fs::create_directory(stage_, ec);
     if (ec)
@@ -34,7 +34,7 @@ StagedFolder::StagedFolder(fs::path target) : target_(std::move(target)) {
 StagedFolder::~StagedFolder() {
     std::error_code ignored;
     if (!stage_.empty()) fs::remove_all(stage_, ignored);
-    if (!stage_.empty() && target_is_new_) fs::remove(target_, ignored);  // only where it is empty
+    if (!stage_.empty() && target_is_new_) fs::remove(target_, ignored);  // only if it is empty
 }
 
 void StagedFolder::publish() {
@@ -46,7 +46,7 @@ void StagedFolder::publish() {
     for (const fs::path& file : files) {
         fs::rename(file, final_path(file), ec);
         if (ec == std::errc::cross_device_link)
-            fs::copy_file(file, final_path(file), fs::copy_options::overwrite_existing, ec);  // where moves are not allowed
+            fs::copy_file(file, final_path(file), fs::copy_options::overwrite_existing, ec);  // if moving is not permitted
         if (ec)
             throw computation_error(fmt::format("{}: cannot be moved to its place: {}", final_path(file).string(), ec.message()),
                                     "choose another folder with -o");

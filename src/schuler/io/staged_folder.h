@@ -1,4 +1,4 @@
-// The files of a result: all of them appear in their folder, or none.
+// The files of a result: either all of them appear in their folder, or none.
 #pragma once
 
 #include <filesystem>
@@ -6,23 +6,23 @@
 
 namespace schuler::io {
 
-/// A folder beside the wanted one in which files are made; publish() moves them to their place. Without it nothing is left behind.
+/// A temporary folder beside the target in which files are created; publish() moves them there. Otherwise nothing remains.
 class StagedFolder {
 public:
-    /// @throws Error(Input) where the folder cannot be made
+    /// @throws Error(Input) if the folder cannot be created
     explicit StagedFolder(std::filesystem::path target);
     ~StagedFolder();
     StagedFolder(const StagedFolder&) = delete;
     StagedFolder& operator=(const StagedFolder&) = delete;
 
-    /// Where to write meanwhile.
+    /// The temporary folder to write to.
     [[nodiscard]] const std::filesystem::path& path() const { return stage_; }
-    /// Where a file of that name will be.
+    /// Final path of a file of that name.
     [[nodiscard]] std::filesystem::path final_path(const std::filesystem::path& staged) const {
         return target_ / staged.filename();
     }
-    /// Moves every file. Nothing is moved where one of them would overwrite a file that is not Schuler's own (io/own_files.h).
-    /// @throws Error(Input) naming that file; Error(Computation) where the system refuses
+    /// Moves every file. Nothing is moved if one of them would overwrite a file that is not Schuler's own (io/own_files.h).
+    /// @throws Error(Input) that names the file; Error(Computation) if the system reports an error
     void publish();
 
 private:

@@ -120,7 +120,7 @@ StreamPath stream_path(const std::filesystem::path& path) {
 TextInput LogFiles::open(const std::filesystem::path& path, WarningLog& warnings) {
     StreamPath where = stream_path(path);
     if (where.stream.empty()) {
-        // a track is no table; the other files of one log have readers of their own
+        // a track is not a table; the other files of one log have their own readers
         std::error_code ec;
         const Format* format = std::filesystem::is_regular_file(path, ec) ? format_of(path) : nullptr;
         if (format == nullptr || format->name != "gpx") return {path};

@@ -23,7 +23,7 @@ using io::TextInput;
 
 TextInput input_of(const std::string& text) { return TextInput::memory(text, "the stream"); }
 
-/// Rows of a table through the reader of such files.
+/// Reads table rows with the file reader.
 void read_rows(const std::string& table, Instrument instrument, const io::CsvOptions& options, std::vector<Sample>& out) {
     WarningLog heard;
     const auto add = [&out](const auto& samples) { out.insert(out.end(), samples.begin(), samples.end()); };
@@ -37,7 +37,7 @@ void read_rows(const std::string& table, Instrument instrument, const io::CsvOpt
     }
 }
 
-/// The first line that is no number is the header; a connection that restarts may send it again.
+/// The first line that is not a number is the header; a restarted connection may send it again.
 class CsvDecoder final : public Decoder {
 public:
     CsvDecoder(Instrument instrument, io::CsvOptions options) : instrument_(instrument), options_(std::move(options)) {}
@@ -77,7 +77,7 @@ private:
     std::string header_, table_;
 };
 
-/// Sentences of one time of day form an epoch, which is complete when the next one begins or nothing more comes.
+/// Sentences of one time of day form an epoch, which is complete when the next one begins or no more data arrive.
 class NmeaDecoder final : public Decoder {
 public:
     void take(std::string_view bytes, std::vector<Sample>& out) override {
@@ -128,7 +128,7 @@ private:
 
     void finish(std::vector<Sample>& out) {
         if (epoch_.empty()) return;
-        // an epoch without a date has that of the one before
+        // an epoch without a date has that of the previous one
         const std::string text = dated_ ? std::exchange(epoch_, {}) : date_ + std::exchange(epoch_, {});
         dated_ = false;
         WarningLog heard;
@@ -148,7 +148,7 @@ private:
     std::optional<Time> last_;
 };
 
-/// Binary frames: what is none is passed over and counted once a run.
+/// Binary frames: other bytes are skipped and counted once per run.
 class FrameDecoder : public Decoder {
 public:
     void take(std::string_view bytes, std::vector<Sample>& out) override {
@@ -175,7 +175,7 @@ public:
 
 protected:
     static constexpr std::size_t more = SIZE_MAX, none = 0, longest = 1 << 17;
-    /// Size of the message at the beginning; `more` where it has not wholly come, `none` where there is none.
+    /// Size of the message at the beginning; `more` if it is incomplete, `none` if there is none.
     [[nodiscard]] virtual std::size_t frame(std::string_view bytes) const = 0;
     virtual void message(const std::string& bytes, std::vector<Sample>& out) = 0;
     static unsigned byte(std::string_view bytes, std::size_t i) { return static_cast<unsigned char>(bytes[i]); }
@@ -185,7 +185,7 @@ private:
     bool lost_ = false;
 };
 
-/// NMEA sentences between the messages are foreign, not garbage.
+/// NMEA sentences between the messages count as foreign, not as garbage.
 class UbxDecoder final : public FrameDecoder {
 protected:
     [[nodiscard]] std::size_t frame(std::string_view b) const override {
@@ -222,8 +222,8 @@ protected:
     }
 };
 
-/// Position and velocity are messages of their own: they are read together when the receiver pauses. Of the positions of one receiver one kind is
-/// taken, as of a file: the best that comes. What a pause parts is read by itself, the configuration that names the IMU before each.
+/// Position and velocity are separate messages: they are read together when the receiver pauses. Of several kinds of positions one is used,
+/// as for a file: the best one received. Data between pauses are read separately, each preceded by the configuration that identifies the IMU.
 class NovatelDecoder final : public FrameDecoder {
 public:
     void quiet(std::vector<Sample>& out) override {
@@ -237,7 +237,7 @@ public:
                 else if (s.kind == io::TableKind::Gnss && is_chosen(s))
                     read_rows(io::table_text(s, log.clock), Instrument::Gnss, {}, out);
             }
-        } catch (const Error&) {  // nothing of use in it
+        } catch (const Error&) {  // no usable content
         }
         tell(heard);
     }
@@ -250,7 +250,7 @@ public:
 private:
     static constexpr std::array<std::string_view, 3> kinds{"BESTGNSSPOS", "BESTPOS", "PSRPOS"};  // best first, as in files
 
-    /// Streams of a log come in the order of `kinds`. The next best is taken where a better one has not come for long.
+    /// Streams of a log are in the order of `kinds`. The next best is used if a better one has been missing for long.
     bool is_chosen(const io::Stream& s) {
         constexpr std::int64_t long_gone = 10'000'000'000;  // ns
         const auto it = std::ranges::find_if(kinds, [&](std::string_view kind) { return s.source.starts_with(kind); });
@@ -261,7 +261,7 @@ private:
         return true;
     }
 
-    /// Whether this is what says of which IMU RAWIMU is; a damaged one says nothing.
+    /// True if this message identifies the IMU of RAWIMU; a damaged one does not.
     static bool names_imu(const std::string& bytes) {
         constexpr unsigned ins_config = 1945;
         const bool text = bytes[0] == '#' || bytes[0] == '%';
@@ -277,7 +277,7 @@ private:
         return heard.empty();
     }
 
-    /// Damaged logs as often as they come, what cannot be used once.
+    /// Damaged logs are reported each time, unusable data once.
     void tell(const WarningLog& heard) {
         const std::vector<std::string> lines = heard.summary();
         for (std::size_t i = 0; i < lines.size(); ++i) {

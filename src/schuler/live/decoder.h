@@ -1,4 +1,4 @@
-// Bytes as they arrive to samples: messages are framed here and read by the readers of files.
+// Conversion of incoming bytes to samples: messages are framed here and decoded by the file readers.
 #pragma once
 
 #include "schuler/core/samples.h"
@@ -21,26 +21,26 @@ inline constexpr std::size_t instrument_count = 6;
 using Sample =
     std::variant<ImuSample, GnssFix, BaroSample, MagSample, OdometerSample, HeadingSample>;  // in the order of Instrument
 
-/// Ubx: NAV-PVT. Novatel: what files of that name hold. Csv: a header line first. Json: a line each, of any instrument. Gpsd: TPV reports.
+/// Ubx: NAV-PVT. Novatel: content of such files. Csv: header line first. Json: one line per sample, any instrument. Gpsd: TPV.
 enum class StreamFormat { Nmea, Ubx, Novatel, Csv, Json, Gpsd };
 
 struct DecoderCounters {
-    std::size_t messages = 0;             ///< understood
-    std::size_t foreign = 0;              ///< well-formed, of no use here
-    std::size_t garbage = 0;              ///< runs of bytes, lines or frames that are none, or damaged
-    std::string example{};                ///< why the last of them is none
-    std::vector<std::string> warnings{};  ///< what the reader of such files warns of: once each
+    std::size_t messages = 0;             ///< decoded
+    std::size_t foreign = 0;              ///< well-formed, but not used here
+    std::size_t garbage = 0;              ///< runs of bytes, lines or frames that are invalid or damaged
+    std::string example{};                ///< why the last of them is invalid
+    std::vector<std::string> warnings{};  ///< warnings of the file reader, once each
 };
 
 class Decoder {
 public:
     virtual ~Decoder() = default;
-    /// Appends what is complete. Never throws on content.
+    /// Appends complete samples. Never throws because of the content.
     virtual void take(std::string_view bytes, std::vector<Sample>& out) = 0;
-    /// Nothing has come for `quiet_time`: what is waiting is complete.
+    /// No data have arrived for `quiet_time`: the pending data are complete.
     virtual void quiet(std::vector<Sample>& out) { (void)out; }
     [[nodiscard]] virtual bool waiting() const { return false; }
-    /// A connection restarts: what is half read is of the old one.
+    /// A connection restarts: partially read data are discarded.
     virtual void reset() = 0;
     [[nodiscard]] const DecoderCounters& counters() const { return counters_; }
 
@@ -54,7 +54,7 @@ protected:
     DecoderCounters counters_;
 };
 
-/// `options`: columns of Csv. `instrument`: what its rows are.
+/// `options`: columns of Csv. `instrument`: the instrument of its rows.
 [[nodiscard]] std::unique_ptr<Decoder> make_decoder(StreamFormat format, Instrument instrument, const io::CsvOptions& options);
 
 }  // namespace schuler::live

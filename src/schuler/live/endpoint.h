@@ -1,4 +1,4 @@
-// Where samples come from and messages go to, as a user writes it: "tcp://host:port", "serial:/dev/ttyUSB0?baud=115200", "stdin".
+// Sources of samples and destinations of messages, for example "tcp://host:port", "serial:/dev/ttyUSB0?baud=115200", "stdin".
 #pragma once
 
 #include <string>
@@ -9,16 +9,16 @@ enum class Medium { Tcp, TcpListen, Udp, Serial, Standard, File, Gpsd };
 
 struct Endpoint {
     Medium medium = Medium::Standard;
-    std::string text;        ///< as written
-    std::string host, port;  ///< of sockets; an empty host: every address of this machine
+    std::string text;        ///< as given
+    std::string host, port;  ///< of sockets; an empty host: all addresses of this machine
     std::string path;        ///< of a serial port or file
     int baud = 115200;
 };
 
 enum class Direction { In, Out };
 
-/// In: tcp://HOST:PORT, tcp-listen://[HOST]:PORT, udp://[HOST]:PORT (bound), serial:PATH[?baud=N], file:PATH (a pipe too), gpsd://HOST[:PORT],
-/// stdin. Out: tcp://, tcp-listen://, udp://HOST:PORT (sent to), serial:, file:, stdout. @throws Error(Input) with `key`
+/// In: tcp://HOST:PORT, tcp-listen://[HOST]:PORT, udp://[HOST]:PORT (bound), serial:PATH[?baud=N], file:PATH (or a pipe), stdin,
+/// gpsd://HOST[:PORT]. Out: tcp://, tcp-listen://, udp://HOST:PORT (sent to), serial:, file:, stdout. @throws Error(Input), `key`
 [[nodiscard]] Endpoint endpoint_from(const std::string& text, Direction direction, const std::string& key);
 
 }  // namespace schuler::live

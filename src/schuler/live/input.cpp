@@ -19,7 +19,7 @@ namespace schuler::live {
 using detail::Descriptor;
 
 struct Input::State {
-    static constexpr double first_wait = 0.25, longest_wait = 30.0;  ///< s before opening anew, doubled each time
+    static constexpr double first_wait = 0.25, longest_wait = 30.0;  ///< s before reopening, doubled each time
     Endpoint endpoint;
     std::function<void(const std::string&)> tell;
     Descriptor listener{}, fd{};
@@ -31,7 +31,7 @@ struct Input::State {
         fd.reset();
         pending = false;
         if (!told) tell(fmt::format("{}: {}; tried again", endpoint.text, reason));
-        told = true;  // until it stands
+        told = true;  // until it is established
         next = now + wait;
         wait = std::min(2.0 * wait, longest_wait);
     }
@@ -119,7 +119,7 @@ std::size_t Input::read(std::string& bytes, double now) {
         s.fd.reset();
         s.finished = true;
         s.tell(fmt::format("{}: at its end", s.endpoint.text));
-    } else if (s.listener.open()) {  // the next client may come
+    } else if (s.listener.open()) {  // waits for the next client
         s.fd.reset();
         s.tell(fmt::format("{}: the connection was closed", s.endpoint.text));
     } else {

@@ -1,4 +1,4 @@
-// A source of bytes that is read without waiting and opened anew, later and later, when it breaks.
+// A byte source read without blocking, and reopened with increasing delays after a failure.
 #pragma once
 
 #include "schuler/live/endpoint.h"
@@ -10,7 +10,7 @@
 
 namespace schuler::live {
 
-/// What a loop waits for.
+/// Events that a loop waits for.
 struct Interest {
     int fd = -1;
     bool read = false, write = false;
@@ -18,22 +18,22 @@ struct Interest {
 
 class Input {
 public:
-    /// `tell` hears of connections made and lost, in a sentence each.
+    /// `tell` is called when connections are made and lost, with one sentence each.
     Input(Endpoint endpoint, std::function<void(const std::string&)> tell);
     ~Input();
     Input(Input&&) noexcept;
     Input& operator=(Input&&) = delete;
 
-    /// Opens what is due, by a clock of seconds that only goes on.
+    /// Opens connections that are due, by a monotonic clock in seconds.
     void tend(double now);
     [[nodiscard]] Interest interest() const;
-    /// To be called when the descriptor is ready: appends what is there (64 KB at most). Returns bytes read.
+    /// To be called when the descriptor is ready: appends the available data (at most 64 KB). Returns the number of bytes read.
     std::size_t read(std::string& bytes, double now);
 
     [[nodiscard]] bool connected() const;
-    /// The end of a file or of standard input: nothing more will come.
+    /// End of a file or of standard input: no more data will arrive.
     [[nodiscard]] bool finished() const;
-    /// Times that it was connected anew after it had been.
+    /// Number of reconnections.
     [[nodiscard]] std::size_t reconnections() const;
     [[nodiscard]] const Endpoint& endpoint() const;
 

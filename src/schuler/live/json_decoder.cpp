@@ -1,4 +1,4 @@
-// Lines of JSON: samples of any instrument, and the reports of gpsd.
+// JSON lines: samples of any instrument, and gpsd reports.
 #include "schuler/core/units.h"
 #include "schuler/live/detail/framing.h"
 
@@ -28,7 +28,7 @@ Eigen::Vector3d vector_of(const Json& j, const char* key) {
     return out;
 }
 
-/// time_ns, a whole number, or time_s.
+/// time_ns, an integer, or time_s.
 std::optional<Time> time_of(const Json& j) {
     if (const auto ns = j.find("time_ns"); ns != j.end() && ns->is_number_integer()) return Time{ns->get<std::int64_t>()};
     const double s = number_of(j, "time_s");
@@ -45,7 +45,7 @@ public:
     void reset() override { lines_.reset(); }
 
 protected:
-    /// Whether it is understood.
+    /// True if it was decoded.
     virtual bool message(const Json& j, std::vector<Sample>& out) {
         const auto type = j.find("type");
         const auto time = time_of(j);
@@ -120,7 +120,7 @@ protected:
                       number_of(j, "altHAE", number_of(j, "alt"))};
         const double track = number_of(j, "track") * units::deg, speed = number_of(j, "speed");
         f.velocity_n = {speed * std::cos(track), speed * std::sin(track), -number_of(j, "climb")};
-        // its estimates of errors are of 95 %
+        // its error estimates are 95 % values
         constexpr double two_sigma = 2.0;
         f.std_position = {number_of(j, "epy") / two_sigma, number_of(j, "epx") / two_sigma, number_of(j, "epv") / two_sigma};
         out.emplace_back(f);

@@ -95,7 +95,7 @@ std::string state_nmea(const SolutionRow& row) {
     const std::string date = c.year < 2000 ? "" : fmt::format("{:02}{:02}{:02}", c.day, c.month, c.year % 100);
     const double speed = std::hypot(row.v_eb_n[0], row.v_eb_n[1]), course = std::atan2(row.v_eb_n[1], row.v_eb_n[0]) / units::deg;
     constexpr double knot = 1852.0 / 3600.0;
-    // the height is that above the ellipsoid; quality 6: estimated, by dead reckoning
+    // the height is above the ellipsoid; quality 6: estimated, by dead reckoning
     return sentence(fmt::format("INGGA,{},{},6,00,,{:.3f},M,0.0,M,,", time, place, row.position.h)) +
            sentence(fmt::format("INRMC,{},A,{},{:.3f},{:.2f},{},,,E", time, place, speed / knot,
                                 course < 0.0 ? course + 360.0 : course, date)) +

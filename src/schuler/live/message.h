@@ -1,4 +1,4 @@
-// Messages of a live run: the state, events and health as lines.
+// Messages of a live run: state, events and health as lines of text.
 #pragma once
 
 #include "schuler/core/nav_state.h"
@@ -17,12 +17,12 @@ namespace schuler::live {
 [[nodiscard]] SolutionRow row_of(const filter::NavigatorState& state);
 
 [[nodiscard]] std::string state_json(const SolutionRow& row, bool lagged);
-/// GGA, RMC and HDT. Without a date on the axis of time (before the year 2000) the date is empty.
+/// GGA, RMC and HDT. If the time axis has no date (before the year 2000) the date is empty.
 [[nodiscard]] std::string state_nmea(const SolutionRow& row);
 [[nodiscard]] std::string event_json(const filter::NavigatorEvent& event);
 [[nodiscard]] std::string event_text(const filter::NavigatorEvent& event);
 
-/// What a health message says.
+/// Content of a health message.
 struct Health {
     double time = not_given;  ///< s, of the newest sample of the IMU
     filter::Phase phase = filter::Phase::WaitingForImu;

@@ -23,19 +23,19 @@ using detail::Descriptor;
 
 namespace {
 
-/// Messages that wait for one reader.
+/// Messages queued for one reader.
 struct Reader {
     Descriptor fd{};
-    bool pending = false;  ///< its connection is under way
+    bool pending = false;  ///< connection in progress
     std::deque<std::string> queue{};
-    std::size_t bytes = 0, sent = 0;  ///< waiting; of the first message already sent
+    std::size_t bytes = 0, sent = 0;  ///< queued; sent part of the first message
 };
 
 enum class Took { All, Waits, Broken };
 
-/// Sends as much as the reader takes now.
+/// Sends as much as the reader accepts now.
 Took pour(Reader& r, Medium medium) {
-    constexpr std::size_t atomic = 4096;  // a pipe that is ready takes so much without waiting
+    constexpr std::size_t atomic = 4096;  // a ready pipe accepts this much without blocking
     while (!r.queue.empty()) {
         const std::string& first = r.queue.front();
         const char* from = first.data() + r.sent;
@@ -55,7 +55,7 @@ Took pour(Reader& r, Medium medium) {
             if (errno == EINTR) continue;
             if (errno == EAGAIN || errno == EWOULDBLOCK) return Took::Waits;
             if (medium != Medium::Udp) return Took::Broken;
-            done = static_cast<ssize_t>(left);  // nobody listens: the datagram is gone
+            done = static_cast<ssize_t>(left);  // no receiver: the datagram is lost
         }
         r.sent += static_cast<std::size_t>(done);
         if (r.sent < first.size()) continue;
@@ -69,7 +69,7 @@ Took pour(Reader& r, Medium medium) {
 }  // namespace
 
 struct Output::State {
-    static constexpr double first_wait = 0.25, longest_wait = 30.0;  ///< s before opening anew
+    static constexpr double first_wait = 0.25, longest_wait = 30.0;  ///< s before reopening
     Endpoint endpoint;
     OutputLimits limits;
     std::function<void(const std::string&)> tell;
@@ -83,7 +83,7 @@ struct Output::State {
     void push(Reader& r, std::string_view message) {
         r.queue.emplace_back(message);
         r.bytes += message.size();
-        // the message that is being sent stays whole
+        // a partly sent message must be completed
         const std::size_t first = r.sent > 0 ? 1 : 0;
         while (r.bytes > limits.queue && r.queue.size() > first + 1) {
             r.bytes -= r.queue[first].size();
@@ -96,7 +96,7 @@ struct Output::State {
     void add(Descriptor fd, bool pending, bool greeted = true) {
         Reader& r = readers.emplace_back();
         r.fd = std::move(fd);
-        // what waits is to be here, where the oldest can be dropped, not in the system
+        // pending data must be queued here, where the oldest can be dropped, not in the system
         const int small = 65536;
         (void)setsockopt(r.fd.get(), SOL_SOCKET, SO_SNDBUF, &small, sizeof small);
         r.pending = pending;
@@ -126,7 +126,7 @@ struct Output::State {
         readers.clear();
         for (int k = limits.keep; k >= 1; --k) {
             const fs::path from = k == 1 ? fs::path(endpoint.path) : fs::path(fmt::format("{}.{}", endpoint.path, k - 1));
-            fs::rename(from, fmt::format("{}.{}", endpoint.path, k), ec);  // one that is not there does not matter
+            fs::rename(from, fmt::format("{}.{}", endpoint.path, k), ec);  // a missing file is ignored
         }
         if (limits.keep < 1) fs::remove(endpoint.path, ec);
         open_file(now);
@@ -179,7 +179,7 @@ void Output::send(std::string_view message, double now) {
 void Output::interests(std::vector<Interest>& out) const {
     if (state_->listener.open()) out.push_back({state_->listener.get(), true, false});
     for (const Reader& r : state_->readers) {
-        // of a connection, that its other end has closed it shows in reading
+        // the closing of a connection by the other end is detected by reading
         const bool connection = state_->endpoint.medium == Medium::Tcp || state_->endpoint.medium == Medium::TcpListen;
         if (connection || !r.queue.empty()) out.push_back({r.fd.get(), connection && !r.pending, r.pending || !r.queue.empty()});
     }

@@ -1,4 +1,4 @@
-// A place that messages are sent to without ever waiting for a reader: what it does not take is queued, and beyond a limit the oldest is
+// A destination of messages that never blocks on a reader: data not accepted are queued, and beyond a limit the oldest are
 // dropped and counted.
 #pragma once
 
@@ -15,9 +15,9 @@
 namespace schuler::live {
 
 struct OutputLimits {
-    std::size_t queue = 1 << 20;  ///< bytes that wait for one reader
+    std::size_t queue = 1 << 20;  ///< bytes queued for one reader
     std::size_t rotate = 0;       ///< bytes after which a file is restarted; 0: never
-    int keep = 5;                 ///< older files that stay, NAME.1 the newest of them
+    int keep = 5;                 ///< number of older files kept, NAME.1 is the newest
 };
 
 class Output {
@@ -27,16 +27,16 @@ public:
     Output(Output&&) noexcept;
     Output& operator=(Output&&) = delete;
 
-    /// Lines that every reader gets before the first message, with their line ends: the header of a table.
+    /// Lines sent to every reader before the first message, with their line ends: the header of a table.
     void greet(std::string text);
     void tend(double now);
-    /// One message with its line end. Sent at once where that is possible.
+    /// One message with its line end. Sent immediately if possible.
     void send(std::string_view message, double now);
     void interests(std::vector<Interest>& out) const;
     /// To be called when one of its descriptors is ready.
     void ready(int fd, double now);
 
-    [[nodiscard]] std::size_t dropped() const;  ///< messages
+    [[nodiscard]] std::size_t dropped() const;  ///< number of messages
     [[nodiscard]] std::size_t readers() const;
     [[nodiscard]] bool broken() const;  ///< standard output was closed
 

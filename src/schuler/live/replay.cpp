@@ -26,7 +26,7 @@ namespace {
 
 using detail::Descriptor;
 
-/// Numbers to their last bit; null where there is none.
+/// Numbers with full precision; null if there is none.
 void put(std::string& text, const char* key, double x) {
     if (std::isfinite(x)) fmt::format_to(std::back_inserter(text), ",\"{}\":{}", key, x);
 }
@@ -90,7 +90,7 @@ std::string line_of(const HeadingSample& s) {
 using Pointer = std::variant<const ImuSample*, const GnssFix*, const BaroSample*, const MagSample*, const OdometerSample*,
                              const HeadingSample*>;
 
-/// All samples, of one time the IMU's last.
+/// All samples, those of the IMU last among simultaneous ones.
 std::vector<std::pair<Time, Pointer>> in_order(const Recording& r) {
     std::vector<std::pair<Time, Pointer>> out;
     const auto add = [&out](const auto& samples) {

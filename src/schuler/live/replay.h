@@ -1,4 +1,4 @@
-// A data set's own samples through a real connection, as lines of JSON in the order of time.
+// Sends a data set's samples over a real connection, as JSON lines in time order.
 #pragma once
 
 #include "schuler/core/samples.h"
@@ -11,12 +11,12 @@ namespace schuler::live {
 
 struct ReplayRequest {
     Endpoint to;
-    double speed = 1.0;  ///< times real time; 0: as fast as the reader takes them
+    double speed = 1.0;  ///< multiple of real time; 0: as fast as the reader accepts them
     std::function<void(double)> progress{};
 };
 
-/// Waits for a reader (10 s at most; of tcp-listen as long as it takes), and for it to take every line. Returns lines sent.
-/// @throws Error(Computation) where there is no reader or it goes away
+/// Waits for a reader (at most 10 s; for tcp-listen without limit), and until it has received every line. Returns the number of
+/// lines. @throws Error(Computation) if there is no reader or it disconnects
 std::size_t replay(const Recording& recording, const ReplayRequest& request);
 
 }  // namespace schuler::live

@@ -39,7 +39,7 @@ Time clock_time() {
     return {utc_ns + gps_minus_utc(utc_ns / 1'000'000'000) * std::int64_t{1'000'000'000}};
 }
 
-/// SIGINT and SIGTERM as a descriptor, while it lives; a closed pipe is an error of the write, not a signal.
+/// SIGINT and SIGTERM as a descriptor, during its lifetime; a closed pipe is a write error, not a signal.
 class Signals {
 public:
     Signals() {
@@ -51,7 +51,7 @@ public:
         fd_.reset(signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC));
     }
     ~Signals() {
-        // one that is pending has been heard: it does not end the program afterwards
+        // a pending signal has been handled: it must not end the program afterwards
         timespec now{};
         sigset_t set;
         sigemptyset(&set);
@@ -160,7 +160,7 @@ private:
     struct Sink {
         Output output;
         OutputSettings settings;
-        std::optional<std::int64_t> last;  ///< period of the last message
+        std::optional<std::int64_t> last;  ///< period index of the last message
     };
 
     void tell(const std::string& text) {
@@ -274,7 +274,7 @@ private:
 
     void events() {
         while (const auto event = navigator_.poll()) {
-            // what is refused at every sample is told once a second
+            // repeated rejections are reported once per second
             const bool often =
                 event->kind == filter::NavigatorEvent::Kind::Refused || event->kind == filter::NavigatorEvent::Kind::Aid;
             if (!often || monotonic() > next_told_) tell(event_text(*event));

@@ -125,7 +125,7 @@ OptionTable<LiveSettings> make_table() {
     return t;
 }
 
-/// Sections of dataset.toml that serve an instrument, and the sections that no live run has a use for.
+/// Sections of dataset.toml for an instrument, and the sections not used by a live run.
 std::vector<std::string> without_effect(const LiveSettings& l, const settings::SettingList& given) {
     const auto sent = [&l](Instrument i) { return !l.sources[static_cast<std::size_t>(i)].from.empty(); };
     const bool loose_integrity = l.config.filter.integrity.use, mixed = l.config.filter.loop == fusion::Loop::Mixed;
@@ -179,7 +179,7 @@ LiveSettings read_live(const std::filesystem::path& file, const settings::Settin
     live_table().apply(own, out);
     const settings::SettingList all = settings::overlaid(std::move(others), above);
     out.config = settings::config_from(all);
-    // a batch fits the noise where only a grade is given; here the grade is all there is
+    // a batch fits the noise if only a grade is given; here only the grade is available
     const bool asked = std::ranges::any_of(all, [](const settings::Setting& s) { return s.key == "imu.estimate_noise"; });
     if (!asked) out.config.filter.imu.estimate_noise = false;
     for (std::size_t i = 0; i < instrument_count; ++i) {
@@ -203,7 +203,7 @@ filter::NavigatorSettings navigator_settings(const LiveSettings& l) {
     filter::NavigatorSettings n;
     n.filter = l.config.filter;
     n.filter.outages.clear();
-    n.filter.gnss.estimate_std = false;  // found from whole logs
+    n.filter.gnss.estimate_std = false;  // estimated from whole logs
     double lagged = 0.0;
     bool all = false;
     for (const OutputSettings& o : l.outputs) {

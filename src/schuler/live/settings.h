@@ -1,4 +1,4 @@
-// Settings of a live run: those of the filter as in dataset.toml, where samples come from, where messages go.
+// Settings of a live run: those of the filter as in dataset.toml, sources of samples, destinations of messages.
 #pragma once
 
 #include "schuler/filter/navigator_settings.h"
@@ -16,10 +16,10 @@
 namespace schuler::live {
 
 struct SourceSettings {
-    std::string from;      ///< an endpoint as written; empty: there is none
-    std::string format;    ///< empty: csv; of gpsd:// its own
-    bool arrival = false;  ///< times are those of arrival by this computer's clock, not the stamps
-    double rate = 0.0;     ///< Hz, most of it; 0: the usual one
+    std::string from;      ///< an endpoint as given; empty: none
+    std::string format;    ///< empty: csv, or for gpsd:// its own
+    bool arrival = false;  ///< use the arrival times by this computer's clock, not the stamps
+    double rate = 0.0;     ///< Hz, upper limit; 0: the usual one
 };
 
 enum class MessageFormat { Json, Csv, Nmea };
@@ -27,9 +27,9 @@ enum class MessageFormat { Json, Csv, Nmea };
 struct OutputSettings {
     Endpoint to;
     MessageFormat format = MessageFormat::Json;
-    double rate = 10.0;   ///< Hz; 0: at every sample of the IMU (of lagged rows: every one of the filter)
-    bool lagged = false;  ///< the filter itself, the lag ago, rather than predicted to the newest sample
-    bool events = true;   ///< of Json: events and health too
+    double rate = 10.0;   ///< Hz; 0: at every IMU sample (for lagged rows: every filter row)
+    bool lagged = false;  ///< output the filter state itself, delayed by the lag, instead of the prediction to the newest sample
+    bool events = true;   ///< for Json: also events and health
     OutputLimits limits;
 };
 
@@ -39,15 +39,15 @@ struct LiveSettings {
     std::vector<OutputSettings> outputs;
     double imu_rate = 100.0;                                   ///< Hz, nominal
     double lag = 0.5, still_delay = 0.0, longest_hole = 10.0;  ///< s, NavigatorSettings
-    std::string state;                 ///< file in which the filter's state is kept from run to run; empty: none
+    std::string state;                 ///< file that preserves the filter's state between runs; empty: none
     double save_every = 60.0;          ///< s
-    std::string log = "stderr";        ///< or a file, or "none": what happens, a line each
+    std::string log = "stderr";        ///< or a file, or "none": events, one line each
     double health_every = 1.0;         ///< s
     std::string file;                  ///< for messages
-    std::vector<std::string> ignored;  ///< keys that were given and have no effect on a live run, each with the reason
+    std::vector<std::string> ignored;  ///< keys that were given but have no effect on a live run, each with the reason
 };
 
-/// The options beside those of dataset.toml.
+/// The options in addition to those of dataset.toml.
 [[nodiscard]] const settings::OptionTable<LiveSettings>& live_table();
 
 /// @throws Error(Input) with file, line and key

@@ -1,4 +1,4 @@
-// The sources of a live run: connections with their decoders, which hand on samples of the instruments as the filter takes them.
+// The sources of a live run: connections with their decoders, which deliver samples in the form used by the filter.
 #pragma once
 
 #include "schuler/live/decoder.h"
@@ -16,17 +16,17 @@ namespace schuler::live {
 struct Station {
     Input input;
     std::unique_ptr<Decoder> decoder;
-    std::array<bool, instrument_count> of{};  ///< whose source it is
+    std::array<bool, instrument_count> of{};  ///< instruments of this source
     std::array<bool, instrument_count> arrival{};
     double last_bytes = 0.0;  ///< s
     std::size_t garbage_told = 0, warnings_told = 0;
-    std::size_t connections = 0;  ///< that the decoder knows of
+    std::size_t connections = 0;  ///< known to the decoder
 };
 
-/// One a different source. @throws Error(Input) where instruments share one whose format tells of one instrument only
+/// One per distinct source. @throws Error(Input) if instruments share a source whose format supports a single instrument only
 [[nodiscard]] std::vector<Station> stations_of(const LiveSettings& settings, const std::function<void(const std::string&)>& tell);
 
-/// Puts samples on the filter's axes: time offsets, arrival times, axes of the magnetometer, pressures and heights.
+/// Converts samples to the filter's axes: time offsets, arrival times, magnetometer axes, pressures and heights.
 class Preparation {
 public:
     explicit Preparation(const LiveSettings& settings);

@@ -9,7 +9,7 @@ namespace {
 
 constexpr int unit_exponent = -128, largest_exponent = 120;
 
-/// Adds `part` at a limb and carries on.
+/// Adds `part` at a limb with carry.
 void add_at(std::array<std::uint64_t, 4>& limbs, std::size_t i, std::uint64_t part) {
     for (; part != 0 && i < limbs.size(); ++i) {
         limbs[i] += part;
@@ -27,7 +27,7 @@ void subtract_at(std::array<std::uint64_t, 4>& limbs, std::size_t i, std::uint64
 
 bool negative(const std::array<std::uint64_t, 4>& limbs) { return (limbs[3] >> 63U) != 0; }
 
-/// A sum near the end of its range could wrap round with the next term.
+/// True if a sum near the end of its range could wrap with the next term.
 bool leaves_range(const std::array<std::uint64_t, 4>& limbs) {
     const std::uint64_t top = negative(limbs) ? ~limbs[3] : limbs[3];
     return (top >> static_cast<unsigned>(largest_exponent - unit_exponent - 192)) != 0;

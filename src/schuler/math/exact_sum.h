@@ -1,4 +1,4 @@
-// A sum that does not depend on the order of its terms.
+// A sum that is independent of the order of its terms.
 #pragma once
 
 #include <array>
@@ -6,8 +6,8 @@
 
 namespace schuler::math {
 
-/// Adds numbers in fixed point: 256 bits with the unit 2^-128. Every term is taken without rounding (what is below the unit is cut off), so that
-/// sums of parts, added in any order and grouping, are equal bit for bit. A term or a sum of 2^120 or more makes the sum infinite.
+/// Adds numbers in fixed point: 256 bits with the unit 2^-128. Terms are added without rounding (bits below the unit are truncated), so that
+/// sums of partial sums, in any order and grouping, are bitwise equal. A term or a sum of 2^120 or more makes the sum infinite.
 class ExactSum {
 public:
     /// x must be finite.
@@ -15,7 +15,7 @@ public:
     void add(const ExactSum& other);
     [[nodiscard]] double value() const;
 
-    /// Limbs from the lowest, two's complement, and whether it has left its range: what is stored of it.
+    /// Limbs from the lowest, two's complement, and an overflow flag: the stored representation.
     std::array<std::uint64_t, 4> limbs{};
     bool overflow = false;
 

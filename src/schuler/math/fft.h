@@ -8,8 +8,8 @@
 
 namespace schuler::math {
 
-/// Transforms of `size` complex numbers, single precision; fast where size is a product of 2, 3 and 5. Allocates at construction
-/// only, and may be shared by threads.
+/// Transforms of `size` complex numbers, single precision; fast if size is a product of powers of 2, 3 and 5. Allocates only
+/// at construction, and may be shared by threads.
 class Fft {
 public:
     /// Throws Error(Input) for size 0.
@@ -19,7 +19,7 @@ public:
     Fft& operator=(Fft&&) noexcept;
 
     [[nodiscard]] std::size_t size() const;
-    /// out_k = sum over n of in_n e^{-2 pi i k n / size}. Both of `size`, not overlapping; throws Error(Input) otherwise.
+    /// out_k = sum over n of in_n e^{-2 pi i k n / size}. Both of length `size`, not overlapping; throws Error(Input) otherwise.
     void forward(std::span<const std::complex<float>> in, std::span<std::complex<float>> out) const;
     /// The inverse of forward(), scaled by 1/size.
     void inverse(std::span<const std::complex<float>> in, std::span<std::complex<float>> out) const;

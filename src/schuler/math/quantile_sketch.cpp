@@ -10,9 +10,9 @@
 namespace schuler::math {
 namespace {
 
-constexpr double smallest = 0x1p-100;  ///< what is nearer to zero is zero
+constexpr double smallest = 0x1p-100;  ///< smaller magnitudes count as zero
 
-/// The leading bits of a number's representation grow with the number.
+/// The leading bits of a number's representation increase monotonically with the number.
 std::int32_t bin_of(double x, unsigned bits) {
     if (std::abs(x) < smallest) return 0;
     const auto leading = static_cast<std::int32_t>(std::bit_cast<std::uint64_t>(std::abs(x)) >> (52U - bits));

@@ -1,4 +1,4 @@
-// Quantiles of any number of values in a bounded memory.
+// Quantiles of any number of values in bounded memory.
 #pragma once
 
 #include <cstddef>
@@ -8,29 +8,29 @@
 
 namespace schuler::math {
 
-/// Keeps up to `bound` values as they are, and from then on the counts of a fixed histogram: each binary order of magnitude, of either sign, in
-/// 2^bits equal parts. The bins depend on nothing but the value: the same values in any order and in any parts give the same sketch.
+/// Keeps up to `bound` values exactly; beyond that, the counts of a fixed histogram: each binary order of magnitude, of either sign, in
+/// 2^bits equal parts. The bins depend on the value only: the same values in any order and partition give the same sketch.
 class QuantileSketch {
 public:
     QuantileSketch() = default;
     QuantileSketch(std::size_t bound, unsigned bits) : bound_(bound), bits_(bits) {}
 
-    /// Not finite: left out.
+    /// Values that are not finite are ignored.
     void add(double x);
     /// The other must have the same bound and bits.
     void merge(const QuantileSketch& other);
 
     [[nodiscard]] std::uint64_t count() const { return count_; }
-    /// Whether the values are still there.
+    /// True while the values are kept exactly.
     [[nodiscard]] bool exact() const { return bins_.empty(); }
-    /// The p-quantile (0 to 1), linear between ranks (of a histogram: in its bin); NaN where there is no value.
+    /// The p-quantile (0 to 1), linear between ranks (in the histogram: within a bin); NaN if there is no value.
     [[nodiscard]] double quantile(double p) const;
 
-    /// What is stored of it, in a form that does not depend on the order in which the values came.
+    /// The stored content, in a form independent of the order of the values.
     struct Content {
         std::vector<double> values;                                ///< ascending
         std::vector<std::pair<std::int32_t, std::uint64_t>> bins;  ///< number of the bin, count
-        double low = 0.0, high = 0.0;                              ///< least and greatest value
+        double low = 0.0, high = 0.0;                              ///< smallest and largest value
         [[nodiscard]] bool operator==(const Content&) const = default;
     };
     [[nodiscard]] Content content() const;

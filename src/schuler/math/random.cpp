@@ -16,7 +16,7 @@ std::uint64_t splitmix64(std::uint64_t& counter) {
     return z ^ (z >> 31);
 }
 
-/// FNV-1a hash: std::hash differs between libraries.
+/// FNV-1a hash, because std::hash differs between libraries.
 std::uint64_t fnv1a(std::string_view text) {
     std::uint64_t hash = 0xcbf29ce484222325ULL;
     for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
@@ -26,7 +26,7 @@ std::uint64_t fnv1a(std::string_view text) {
 }  // namespace
 
 Random::Random(std::uint64_t seed, std::string_view channel) {
-    // The seed is scrambled before it meets the name: seeds 1, 2, 3... and similar names must not give related states.
+    // The seed is scrambled before it is combined with the name: seeds 1, 2, 3... and similar names must not give related states.
     std::uint64_t counter = seed;
     counter = splitmix64(counter) ^ fnv1a(channel);
     for (std::uint64_t& word : state_) word = splitmix64(counter);
@@ -65,7 +65,7 @@ double Random::normal() {
 }
 
 Eigen::Vector3d Random::normal3() {
-    const double x = normal(), y = normal(), z = normal();  // in this order on every compiler
+    const double x = normal(), y = normal(), z = normal();  // in this order with every compiler
     return {x, y, z};
 }
 

@@ -9,9 +9,9 @@
 
 namespace schuler::math {
 
-/// xoshiro256++ (Blackman and Vigna 2021, ACM TOMS 47) seeded by splitmix64 from a seed and the name of a channel, so that a new
-/// channel leaves the numbers of the others as they were. The integers are the same everywhere; the normal numbers are made
-/// by the polar method and differ at most as std::log does in its last bit.
+/// xoshiro256++ (Blackman and Vigna 2021, ACM TOMS 47) seeded by splitmix64 from a seed and a channel name, so that a new
+/// channel leaves the numbers of the others unchanged. The integers are identical on all platforms; the normal numbers come from
+/// the polar method and differ at most by the last bit of std::log.
 class Random {
 public:
     Random(std::uint64_t seed, std::string_view channel);

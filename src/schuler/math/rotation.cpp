@@ -60,7 +60,7 @@ Eigen::Vector3d rpy_from_dcm(const Eigen::Matrix3d& C_nb) {
 Eigen::Vector3d rpy_from_quaternion(const Eigen::Quaterniond& q_nb) { return rpy_from_dcm(q_nb.toRotationMatrix()); }
 
 Eigen::Matrix3d rpy_error_from_phi(const Eigen::Vector3d& rpy) {
-    // The estimate is turned by -phi: with the rate w = -phi in local-level axes the Euler kinematics give the change.
+    // The estimate is rotated by -phi: with the rate w = -phi in local-level axes the Euler kinematics give the change.
     const double sp = std::sin(rpy.y());
     double cp = std::cos(rpy.y());
     cp = std::copysign(std::max(std::abs(cp), 1e-8), cp);

@@ -50,7 +50,7 @@ namespace schuler::math {
 /// errors of roll, pitch and heading. Singular at |pitch| = 90 deg (returns large finite values there).
 [[nodiscard]] Eigen::Matrix3d rpy_error_from_phi(const Eigen::Vector3d& rpy);
 
-/// Nearest rotation matrix after small drift: one Newton step of the polar decomposition.
+/// Nearest rotation matrix after small numerical drift: one Newton step of the polar decomposition.
 [[nodiscard]] inline Eigen::Matrix3d orthonormalised(const Eigen::Matrix3d& C) {
     const Eigen::Matrix3d excess = C.transpose() * C - Eigen::Matrix3d::Identity();
     return C - 0.5 * C * excess;

@@ -29,7 +29,7 @@ struct Spectrum::Work {
         const double mean = std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(segment);
         for (std::size_t i = 0; i < segment; ++i) windowed[i] = window[i] * (values[i] - mean);
         transform.transform_real(windowed.data(), lines.data());
-        // zero and the highest frequency, both real, share the first number
+        // zero and the highest frequency, both real, share the first element
         sum.front() += lines.front().real() * lines.front().real();
         sum.back() += lines.front().imag() * lines.front().imag();
         for (std::size_t i = 1; i < segment / 2; ++i) sum[i] += 2.0 * std::norm(lines[i]);

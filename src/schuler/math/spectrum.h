@@ -7,12 +7,12 @@
 
 namespace schuler::math {
 
-/// Estimates the one-sided power spectral density: segments of a power of two that overlap by half, each less its mean, under
-/// Hann's window [Welch1967]. For white noise of variance s^2 it is 2 s^2 / rate at every frequency; its integral over frequency is the
+/// Estimates the one-sided power spectral density: half-overlapping segments whose length is a power of two, mean removed, with
+/// Hann window [Welch1967]. For white noise of variance s^2 it is 2 s^2 / rate at every frequency; its integral over frequency is the
 /// variance.
 class Spectrum {
 public:
-    /// `rate` in Hz; `segment`: samples, a power of two from 8 on. @throws Error(Input)
+    /// `rate` in Hz; `segment`: number of samples, a power of two, at least 8. @throws Error(Input)
     Spectrum(double rate, std::size_t segment);
     ~Spectrum();
     Spectrum(Spectrum&&) noexcept;
@@ -21,9 +21,9 @@ public:
     void add(double value);
 
     [[nodiscard]] std::size_t segments() const;
-    /// Of density()[i]: i rate / segment, Hz, up to half the rate.
+    /// Frequency of density()[i]: i rate / segment, Hz, up to half the rate.
     [[nodiscard]] double frequency(std::size_t i) const;
-    /// Units of the values squared per Hz, segment / 2 + 1 of them; empty before the first whole segment.
+    /// segment / 2 + 1 values in units of the input squared per Hz; empty before the first complete segment.
     [[nodiscard]] std::vector<double> density() const;
 
 private:

@@ -1,16 +1,16 @@
-// Attitude errors as three numbers where roll and heading turn about nearly the same axis.
+// Attitude errors as three numbers when roll and heading rotate about nearly the same axis.
 #pragma once
 
 #include <Eigen/Core>
 
 namespace schuler::math {
 
-/// Whether the pitch is within 10 degrees of the vertical, where errors of roll and heading grow beyond every bound.
+/// True if the pitch is within 10 degrees of the vertical, where the errors of roll and heading grow without bound.
 [[nodiscard]] bool is_steep(const Eigen::Vector3d& rpy);
 
-/// The change of roll, pitch and heading reported for a small attitude error phi (local level, rad, the estimate turned by -phi): that
-/// of the angles themselves (rpy_error_from_phi); where the pitch is steep, the parts of the rotation vector about the body's x axis,
-/// the level axis across it, and the vertical, which stay as small as the rotation is. @param rpy rad
+/// The change of the reported roll, pitch and heading for a small attitude error phi (local level, rad, the estimate rotated by -phi):
+/// that of the angles themselves (rpy_error_from_phi); at steep pitch, the components of the rotation vector along the body x axis,
+/// the level axis perpendicular to it, and the vertical, which remain as small as the rotation. @param rpy rad
 [[nodiscard]] Eigen::Matrix3d attitude_error_from_phi(const Eigen::Vector3d& rpy);
 
 }  // namespace schuler::math

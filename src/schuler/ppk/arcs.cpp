@@ -12,21 +12,21 @@
 namespace schuler::ppk {
 namespace {
 
-/// A phase as it was when last seen.
+/// The last observation of a phase.
 struct Before {
     Time time;
     int arc = 0;          ///< 0: never seen
     double phase = 0;     ///< m
-    double modelled = 0;  ///< m: range less satellite clock
+    double modelled = 0;  ///< m: range minus satellite clock
     double doppler = not_given;
     bool half_cycle = false, jumped = false;
 };
 
-/// A phase that goes on from the epoch before.
+/// A phase continued from the previous epoch.
 struct Step {
     TrackedSatellite* satellite;
     std::size_t slot;
-    double grown;  ///< m, beyond what the satellite's motion and the rough positions explain
+    double grown;  ///< m, growth beyond the satellite's motion and the approximate positions
     Eigen::Vector3d towards;
     double sigma;
     double by_doppler;  ///< m, growth beyond the mean Doppler; NaN
@@ -37,7 +37,7 @@ using Unknowns = Eigen::Vector4d;
 
 double residual(const Step& s, const Unknowns& x) { return s.grown - s.towards.dot(x.head<3>()) - x[3]; }
 
-/// Displacement and clock step, with so few absolute residuals as there can be: several slips at once do not hide behind each other.
+/// Displacement and clock step with the least absolute residuals: several simultaneous slips do not mask each other.
 std::optional<Unknowns> robust_step(const std::vector<Step>& steps) {
     Unknowns x = Unknowns::Zero();
     for (int i = 0; i < 12; ++i) {
@@ -95,7 +95,7 @@ private:
     [[nodiscard]] double sigma(const TrackedSatellite& s, std::size_t k) const {
         return settings_.phase_sigma * gnss::noise_factor(s.direction.elevation, s.signals[k].cn0);
     }
-    /// How far a phase may drift against the model in so many seconds: satellite clock and atmosphere.
+    /// Possible drift of a phase relative to the model in this time: satellite clock and atmosphere.
     [[nodiscard]] static double drift(double seconds) { return 0.02 + 0.002 * std::abs(seconds); }
 
     void begin(TrackedSatellite& s, std::size_t k, bool jumped) {
@@ -134,7 +134,7 @@ private:
                               first.time == other.time;
             if (!both) continue;
             const double jump = (s.signals[0].phase - s.signals[k].phase) - (first.phase - other.phase);
-            // receivers that step their clock step all carriers alike
+            // a step of the receiver's clock affects all carriers alike
             if (std::abs(jump) <= drift((e.tag - first.time).seconds()) + 6.0 * sigma(s, 0)) continue;
             begin(s, 0, true);
             begin(s, k, true);
@@ -169,7 +169,7 @@ private:
     }
 
     void compare_with_doppler(double dt) {
-        constexpr double longest = 1.5;  // s, over which a mean of two Dopplers says something of a vehicle's way
+        constexpr double longest = 1.5;  // s, over which a mean of two Dopplers approximates a vehicle's displacement
         std::erase_if(steps_, [](const Step& s) { return !std::isfinite(s.by_doppler); });
         if (steps_.size() < 2 || std::abs(dt) > longest) return;
         const double clock = median_of([](const Step& s) { return s.by_doppler; });

@@ -8,7 +8,7 @@
 namespace schuler::ppk {
 namespace {
 
-/// Two receivers whose stamps differ by less measure at once: what satellite clocks do meanwhile is no thousandth of a wavelength.
+/// Stamps that differ by less count as simultaneous: satellite clock variations meanwhile are below a thousandth of a wavelength.
 constexpr double same_instant = 0.006;  // s
 
 const BaseSatellite* find(const std::vector<BaseSatellite>& satellites, SatelliteId id) {
@@ -70,10 +70,10 @@ BaseEpoch BaseStation::between(const Node& a, const Node& b, Time tag) const {
     BaseEpoch out;
     out.age = std::min(before, after);
     out.repeated = true;
-    out.variance = settings_.clock_walk * settings_.clock_walk * before * after / span;  // of a walk known at both ends
+    out.variance = settings_.clock_walk * settings_.clock_walk * before * after / span;  // of a random walk with known ends
     for (const BaseSatellite& s : a.satellites) {
         const BaseSatellite* other = find(b.satellites, s.id);
-        if (other == nullptr) continue;  // weights must be the same for all: only so the base's own clock drops out
+        if (other == nullptr) continue;  // weights must be the same for all, so that the base's own clock cancels
         BaseSatellite merged = s;
         for (std::size_t k = 0; k < most_signals; ++k) {
             BaseSignal& m = merged.signals[k];

@@ -1,4 +1,4 @@
-// What the base station says at any time: its measurements less what its known place explains.
+// Residuals of the base station at any time: its measurements minus those predicted from its known position.
 #pragma once
 
 #include "schuler/ppk/settings.h"
@@ -9,7 +9,7 @@
 
 namespace schuler::ppk {
 
-/// Delay of the troposphere, and of the ionosphere on L1 (codes later, phases earlier; other carriers by 1/f^2), m.
+/// Tropospheric delay, and ionospheric delay on L1 (delays codes, advances phases; other carriers by 1/f^2), m.
 struct AirDelay {
     double troposphere = 0, ionosphere = 0;
 };
@@ -18,10 +18,10 @@ struct AirDelay {
 /// Ionospheric delay of a carrier as a multiple of that on L1.
 [[nodiscard]] double ionosphere_factor(double wavelength);
 
-/// A signal at the base: measured less modelled range, m, which is clocks, errors that the rover shares, ambiguity and noise.
+/// A signal at the base: measured minus modelled range, m: clocks, errors shared with the rover, ambiguity and noise.
 struct BaseSignal {
     double code = not_given, phase = not_given;
-    double code_factor = 1, phase_factor = 1;  ///< on the variance of one measurement's noise, from interpolation
+    double code_factor = 1, phase_factor = 1;  ///< on the variance of a single measurement's noise, from interpolation
     double cn0 = not_given;
     int arc = 0;
     bool half_cycle = false, jumped = false;
@@ -34,12 +34,12 @@ struct BaseSatellite {
 struct BaseEpoch {
     std::vector<BaseSatellite> satellites;  ///< in the order of their ids
     double age = 0;                         ///< s to the nearer epoch of the base
-    bool repeated = false;                  ///< its noise is that of neighbouring epochs of the rover too
-    double variance = 0;                    ///< m^2, of what satellite clocks did since or between
+    bool repeated = false;                  ///< its noise is also contained in neighbouring epochs of the rover
+    double variance = 0;                    ///< m^2, of satellite clock variations since or between the epochs
 };
 
-/// A base at rest. Between two of its epochs its residuals are interpolated linearly: what is left in them drifts by satellite clocks and
-/// the air alone. Before its first, behind its last and in gaps the nearest epoch stands as long as it is not too old.
+/// A static base. Between two of its epochs the residuals are interpolated linearly: they vary with satellite clocks and the
+/// atmosphere only. Before its first epoch, after its last and in gaps the nearest epoch is used as long as it is not too old.
 class BaseStation {
 public:
     BaseStation(const std::vector<TrackedEpoch>& epochs, const Ecef& position, const AirModel& air, const BaseSettings& settings);

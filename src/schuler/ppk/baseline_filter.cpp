@@ -14,9 +14,9 @@
 namespace schuler::ppk {
 namespace {
 
-constexpr double unknown_ambiguity = 30.0;  ///< m, one sigma beyond what code less phase says
+constexpr double unknown_ambiguity = 30.0;  ///< m, one sigma beyond code minus phase
 
-/// Rows and columns that stay.
+/// Keeps the given rows and columns.
 void keep(Eigen::VectorXd& x, Eigen::MatrixXd& P, const std::vector<Eigen::Index>& states) {
     const auto n = static_cast<Eigen::Index>(states.size());
     Eigen::VectorXd x_new(n);
@@ -64,7 +64,7 @@ void BaselineFilter::begin_at(const TrackedEpoch& rover) {
 
 void BaselineFilter::predict(double dt) {
     const double span = std::abs(dt);
-    // velocity moves the position; F P F' by columns and rows
+    // position driven by velocity; F P F' by columns and rows
     if (settings_.motion == Motion::Kinematic) {
         x_.head<3>() += dt * x_.segment<3>(3);
         P_.topRows(3) += dt * P_.middleRows(3, 3);
@@ -100,7 +100,7 @@ void BaselineFilter::forget(Time tag, Time before) {
     for (std::size_t i = 0; i < entries_.size(); ++i) {
         const Entry& e = entries_[i];
         bool stays = std::abs((tag - e.seen).seconds()) <= longest;
-        for (const Difference& d : differences_)  // another arc of the same phase
+        for (const Difference& d : differences_)  // a new arc of the same phase
             if (!e.ionosphere && d.id == e.id && d.slot == e.slot)
                 stays = stays && d.rover_arc == e.rover_arc && d.base_arc == e.base_arc;
         if (!stays) continue;
@@ -116,7 +116,7 @@ void BaselineFilter::settle_states(const TrackedEpoch& rover, Time before) {
     forget(rover.tag, before);
     ambiguity_.assign(differences_.size(), -1);
     delay_.assign(differences_.size(), -1);
-    // of each group: ambiguities less what phase and code say now, which clocks that jump in one of them change
+    // for each group: ambiguities minus the current phase minus code, which are changed by clock jumps at one receiver
     std::map<int, std::vector<double>> offsets;
     for (std::size_t i = 0; i < entries_.size(); ++i) {
         Entry& e = entries_[i];
@@ -141,7 +141,7 @@ void BaselineFilter::settle_states(const TrackedEpoch& rover, Time before) {
             entries_.push_back({false, d.id, d.slot, d.rover_arc, d.base_arc, rover.tag, {}});
         }
         if (!ionosphere_ || delay_[k] >= 0) continue;
-        if (k > 0 && differences_[k - 1].id == d.id) {  // those of one satellite stand side by side
+        if (k > 0 && differences_[k - 1].id == d.id) {  // those of one satellite are adjacent
             delay_[k] = delay_[k - 1];
             continue;
         }
@@ -151,7 +151,7 @@ void BaselineFilter::settle_states(const TrackedEpoch& rover, Time before) {
         entries_.push_back({true, d.id, 0, 0, 0, rover.tag, {}});
     }
     if (fresh.empty()) return;
-    // where the old ambiguities are gone, nothing is left of what their codes said
+    // if most of the old ambiguities are gone, their codes carry no further information
     if (2 * fresh.size() > differences_.size()) code_.clear();
     const Eigen::Index n = size + static_cast<Eigen::Index>(fresh.size());
     x_.conservativeResize(n);
@@ -209,9 +209,9 @@ void BaselineFilter::use_velocity(const TrackedEpoch& rover) {
     block.apply(P_);
 }
 
-/// The position of the epoch by its phases, with ambiguities, zenith delay and ionosphere as they are known: the filter's own position has
-/// phases whose errors last for no more than they tell of the ambiguities.
-/// Returns the sum of weighted squares that the position leaves.
+/// The position of the epoch from its phases, with ambiguities, zenith delay and ionosphere as known: the filter's own position
+/// weights phases with lasting errors only by their information about the ambiguities.
+/// Returns the weighted sum of squared residuals for that position.
 double BaselineFilter::place(Time tag, const Eigen::VectorXd& x, const Eigen::MatrixXd& P, EpochSolution& out) const {
     const Rows r = rows(tag, Weighting::Phases, x);
     const Eigen::Index others = x.size() - 6;
@@ -226,7 +226,7 @@ double BaselineFilter::place(Time tag, const Eigen::VectorXd& x, const Eigen::Ma
     const Eigen::MatrixXd A = root.matrixL().solve(r.H.leftCols<3>());
     const Eigen::VectorXd white = root.matrixL().solve(r.z);
     const Eigen::Matrix3d information =
-        A.transpose() * A + P.topLeftCorner<3, 3>().inverse() * 1e-6;  // where phases leave a direction open
+        A.transpose() * A + P.topLeftCorner<3, 3>().inverse() * 1e-6;  // for directions not determined by phases
     out.covariance = information.inverse();
     const Eigen::Vector3d moved = out.covariance * (A.transpose() * white);
     out.position.r = linearised_.r + moved;
@@ -261,19 +261,19 @@ void BaselineFilter::use_integers(Time tag, double dt, EpochSolution& out) {
     out.velocity_covariance = trial.fix->covariance.block<3, 3>(3, 3);
     out.ambiguities = trial.fix->ambiguities;
     out.fixed = trial.fix->count;
-    // some combinations of integers may hold and leave the position as uncertain as it was
+    // some combinations of integers may be fixed without improving the position
     constexpr double fixed_sigma = 0.05;  // m
     if (out.covariance.trace() < fixed_sigma * fixed_sigma) out.quality = Quality::Fixed;
     if (settings_.views) look_at_signals(x, true, out);
     if (trial.fix->count == trial.fix->ambiguities) hold(*trial.fix);
 }
 
-/// Once the same integers held for some epochs, the float is told of them: when satellites slip or set, those that are left would not be fixed
-/// again by codes. As loosely that errors of phases do not bend it.
+/// Once the same integers have been fixed for some epochs, the float solution is constrained to them: when satellites slip or
+/// set, the remaining ones could not be fixed again by codes. The constraint is loose enough that phase errors do not distort it.
 void BaselineFilter::hold(const IntegerFix& fix) {
     constexpr int often = 10;
     constexpr double same = 0.02, sigma = 0.01;        // m
-    std::map<int, std::pair<double, double>> changes;  // least and largest of each group
+    std::map<int, std::pair<double, double>> changes;  // smallest and largest of each group
     std::map<int, std::vector<Eigen::Index>> groups;
     for (std::size_t k = 0; k < differences_.size(); ++k) {
         Entry& e = entry_of(k);
@@ -350,7 +350,7 @@ EpochSolution BaselineFilter::step(const TrackedEpoch& rover) {
     out.satellites = static_cast<int>(satellites.size());
     const double dt = (rover.tag - before).seconds();
     if (!update(rover.tag, dt, out)) {
-        begun_ = false;  // all of it is in doubt
+        begun_ = false;  // the whole solution is in doubt
         EpochSolution instead = single(rover);
         instead.rejected = out.rejected;
         return instead;

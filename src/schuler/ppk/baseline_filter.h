@@ -1,4 +1,4 @@
-// The Kalman filter of a baseline: position, velocity, air and ambiguities from double differences of code and phase.
+// The Kalman filter of a baseline: position, velocity, atmosphere and ambiguities from double differences of code and phase.
 #pragma once
 
 #include "schuler/estim/block_update.h"
@@ -14,13 +14,13 @@
 
 namespace schuler::ppk {
 
-/// Goes from epoch to epoch, forwards or backwards in time. States are position, velocity, the zenith delay's difference, and for each
-/// satellite and carrier the ambiguity of the single difference (m), of which the double differences see differences only; on long baselines
-/// the ionosphere of each satellite. Integers are searched at every epoch, and fed back as soft constraints once all of them were the same
-/// ten epochs in a row.
+/// Processes epochs forward or backward in time. States are position, velocity, differential zenith delay, and for each satellite
+/// and carrier the single-difference ambiguity (m), of which only differences enter the double differences; on long baselines
+/// also the ionosphere of each satellite. Integers are searched at every epoch, and fed back as soft constraints once all of them
+/// have been the same for ten consecutive epochs.
 class BaselineFilter {
 public:
-    /// The station and the plan are kept by reference.
+    /// The station and the plan are held by reference.
     BaselineFilter(const Settings& settings, const SignalPlan& plan, const BaseStation& station, bool estimate_ionosphere);
 
     EpochSolution step(const TrackedEpoch& rover);
@@ -28,26 +28,26 @@ public:
 private:
     static constexpr Eigen::Index leading = 7;  ///< position, velocity, zenith delay
 
-    /// A state beside the first ones.
+    /// A state other than the leading ones.
     struct Entry {
         bool ionosphere = false;
         SatelliteId id;
         std::uint8_t slot = 0;
         int rover_arc = 0, base_arc = 0;
         Time seen;
-        std::optional<Time> phase;   ///< last time a phase was used with it
-        bool trusted = false;        ///< among the integers that held last
-        bool broken = false;         ///< no whole number, as others that are showed
-        bool jumped = false;         ///< begun anew because the phase did not fit
-        double integer = not_given;  ///< m, with the integers that held last; only differences within a group mean something
+        std::optional<Time> phase;   ///< last time it was used with a phase
+        bool trusted = false;        ///< among the integers of the last valid fix
+        bool broken = false;         ///< not an integer, unlike the others
+        bool jumped = false;         ///< reset because the phase did not fit
+        double integer = not_given;  ///< m, with the integers of the last valid fix; only differences within a group have meaning
     };
-    /// A row of the epoch: one difference less its reference.
+    /// A row of the epoch: one difference minus its reference.
     struct RowOf {
         std::size_t of, reference;
         bool phase;
     };
-    /// By how much variances are larger than they are taken for, or smaller where that is beyond doubt: a mean over some minutes of squares
-    /// that ought to be one. Never below `least`.
+    /// Factor on the assumed variances, below one only if beyond doubt: a mean over some minutes of squares with unit
+    /// expectation. Never below `least`.
     class Scale {
     public:
         explicit Scale(double least) : least_(least) {}
@@ -57,8 +57,8 @@ private:
     private:
         double least_, mean_ = 1, weight_ = 0, value_ = 1;
     };
-    /// What the rows are for: the filter, to which errors that last count for less with each epoch; tests of single measurements; the position
-    /// of the epoch by its phases alone.
+    /// Purpose of the weights: the filter, where persistent errors receive less weight with each epoch; tests of single
+    /// measurements; the position of the epoch from its phases alone.
     enum class Weighting { Filter, Single, Phases };
     struct Suspect {
         std::size_t difference = 0;
@@ -103,18 +103,18 @@ private:
     bool ionosphere_;
     bool begun_ = false;
     Time tag_;
-    Eigen::VectorXd x_;  ///< the position as it is, the others as the filter has them
+    Eigen::VectorXd x_;  ///< position absolute, the other states as in the filter
     Eigen::MatrixXd P_;
-    std::vector<Entry> entries_;  ///< states from `leading` on
-    // of the epoch
+    std::vector<Entry> entries_;  ///< states from index `leading` on
+    // of the current epoch
     std::vector<Difference> differences_;
     std::vector<Eigen::Index> ambiguity_, delay_;  ///< states of each difference; -1: none
     std::vector<bool> code_out_;
     std::map<int, double> offsets_;
     Scale code_scale_{0.25}, phase_scale_{1.0};
-    std::map<std::pair<SatelliteId, std::uint8_t>, Time> code_;  ///< when a signal's code was last used
-    int same_integers_ = 0;                                      ///< epochs in a row
-    Ecef linearised_;                                            ///< where the differences were computed
+    std::map<std::pair<SatelliteId, std::uint8_t>, Time> code_;  ///< last use of a signal's code
+    int same_integers_ = 0;                                      ///< consecutive epochs
+    Ecef linearised_;                                            ///< position at which the differences were computed
     double baseline_ = 0;
 };
 

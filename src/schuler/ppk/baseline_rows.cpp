@@ -1,4 +1,4 @@
-// Of the baseline filter: its measurement rows, and which measurements do not fit.
+// Part of the baseline filter: its measurement rows, and measurements that do not fit.
 #include "schuler/math/chi_square.h"
 #include "schuler/math/quantile.h"
 #include "schuler/ppk/baseline_filter.h"
@@ -12,7 +12,7 @@
 namespace schuler::ppk {
 namespace {
 
-/// Reflections make a satellite's measurements err alike for a while. Of n whose errors are a first-order Gauss-Markov process the first tells
+/// Multipath correlates a satellite's measurement errors for a while. Of n with a first-order Gauss-Markov error the first gives
 /// one unit of information about a constant and each further one (1 - rho) / (1 + rho) [Brown2012]: the factor on a variance.
 double lasting(double apart, double correlation) {
     if (!(correlation > 0.0)) return 1.0;
@@ -33,7 +33,7 @@ double BaselineFilter::lasting_phase(std::size_t difference, Time tag) const {
 }
 
 BaselineFilter::Rows BaselineFilter::rows(Time tag, Weighting weighting, const Eigen::VectorXd& x) const {
-    // the members of each group with a code, with a phase; their reference is the highest
+    // the members of each group with a code, with a phase; their reference is the highest satellite
     std::map<std::pair<int, bool>, std::vector<std::size_t>> groups;
     for (std::size_t k = 0; k < differences_.size(); ++k) {
         const int group = group_of(differences_[k]);
@@ -43,7 +43,7 @@ BaselineFilter::Rows BaselineFilter::rows(Time tag, Weighting weighting, const E
     }
     Rows out;
     std::vector<double> noise, reference_noise;
-    std::vector<std::size_t> first;  // row at which the group of a row begins
+    std::vector<std::size_t> first;  // first row of the group of a row
     for (const auto& [key, members] : groups) {
         const bool phase = key.second;
         const auto variance = [&](std::size_t k) {
@@ -92,7 +92,7 @@ BaselineFilter::Rows BaselineFilter::rows(Time tag, Weighting weighting, const E
     return out;
 }
 
-/// What the epoch's position and the states leave of each signal.
+/// Residuals of each signal for the epoch's position and the states.
 void BaselineFilter::look_at_signals(const Eigen::VectorXd& x, bool integers, EpochSolution& out) const {
     out.signals.clear();
     std::map<int, std::vector<double>> codes, phases;
@@ -127,7 +127,7 @@ BaselineFilter::Suspect BaselineFilter::worst(const estim::BlockUpdate& block, c
     Suspect out;
     for (std::size_t k = 0; k < differences_.size(); ++k) {
         for (const bool phase : {false, true}) {
-            Eigen::VectorXd c = Eigen::VectorXd::Zero(rows.z.size());  // what an error of this one does to the double differences
+            Eigen::VectorXd c = Eigen::VectorXd::Zero(rows.z.size());  // effect of an error of this one on the double differences
             bool any = false;
             for (std::size_t i = 0; i < rows.of.size(); ++i) {
                 if (rows.of[i].phase != phase || (rows.of[i].of != k && rows.of[i].reference != k)) continue;
@@ -141,11 +141,11 @@ BaselineFilter::Suspect BaselineFilter::worst(const estim::BlockUpdate& block, c
     return out;
 }
 
-/// A code that goes astray within its arc weighs little, as codes that hang together do, and would be noticed as late: codes are judged by
-/// the error that one alone may have.
+/// A code that departs within its arc has low weight, as correlated codes do, and would be detected late: codes are therefore
+/// tested with the error of a single one.
 bool BaselineFilter::reject_misfits(Time tag, EpochSolution& out) {
     constexpr double single = 4.7;                         // sigmas, of any of fifty at 1e-4
-    const std::size_t most = 2 + differences_.size() / 3;  // beyond so many it is not single measurements that are wrong
+    const std::size_t most = 2 + differences_.size() / 3;  // beyond this number the fault is not in single measurements
     for (std::size_t trial = 0; trial <= most; ++trial) {
         const Rows r = rows(tag, Weighting::Single, x_);
         if (r.of.size() < 3) return false;
@@ -167,18 +167,18 @@ void BaselineFilter::Scale::add(double squares, double dof, double dt) {
     if (dof < enough || !std::isfinite(squares)) return;
     weight_ = weight_ * std::exp(-std::abs(dt) / memory) + dof;
     mean_ += (squares / dof - mean_) * dof / weight_;
-    // smaller only as far as so few squares, which hang together from epoch to epoch, can prove
+    // reduced only as far as this few, correlated squares can prove
     const double proven = mean_ * (1.0 + 2.0 * std::sqrt(2.0 / dof));
     value_ = std::max({mean_, least_, std::min(proven, 1.0)});
 }
 
-/// How much larger the variance of codes is than it was taken for, by what the codes of an epoch alone miss each other by once they agreed on a
+/// Increase of the variance of codes over the assumed value, from their mutual disagreement within an epoch after solving for a
 /// position, over some minutes.
 void BaselineFilter::judge_codes(double dt) {
     std::map<int, std::vector<std::size_t>> groups;
     for (std::size_t k = 0; k < differences_.size(); ++k)
         if (std::isfinite(differences_[k].code) && !code_out_[k]) groups[group_of(differences_[k])].push_back(k);
-    // weighted least squares with a clock of each group: its part of the normal equations is eliminated
+    // weighted least squares with a clock for each group, whose part of the normal equations is eliminated
     Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
     double squares = 0.0, dof = -3.0;

@@ -28,7 +28,7 @@ std::vector<Difference> single_differences(const TrackedEpoch& rover, const Base
         const Line line = line_to(s, position, geodetic);
         const AirDelay delay = air_delay(settings.air, s, geodetic, line.direction);
         const double modelled = line.range - s.clock + delay.troposphere, distance = line.range;
-        // an orbit's error is seen at an angle from the two ends
+        // an orbit error is seen at an angle from the two ends
         double shared = s.variance * square(baseline / distance) + base.variance;
         const auto& pairs = plan.of[gnss::index_of(s.id)];
         for (std::size_t k = 0; k < pairs.size(); ++k) {
@@ -54,10 +54,10 @@ std::vector<Difference> single_differences(const TrackedEpoch& rover, const Base
             if (settings.air.ionosphere && !ionosphere_is_estimated)
                 left += square(d.factor * settings.left.ionosphere_gradient * baseline * shell_mapping(d.elevation));
             d.phase_variance = square(settings.phase_sigma) * (here + c.phase_factor * there) + left;
-            constexpr double of_air = 0.25;  // neighbouring satellites look through the same air
+            constexpr double of_air = 0.25;  // neighbouring satellites are seen through the same air
             d.repeated = of_air * left;
             d.code_variance = square(settings.code_sigma) * (here + c.code_factor * there) + left;
-            // other tracking modes, and receivers on GLONASS's many carriers, have code delays that differ by satellite
+            // other tracking modes, and receivers on GLONASS's many carriers, have code delays that depend on the satellite
             constexpr double apart = 1.0;  // m
             if (!pairs[k].same() || s.id.system == gnss::System::Glonass) d.code_variance += square(apart);
             d.rover_arc = r.arc;

@@ -13,7 +13,7 @@
 namespace schuler::ppk {
 namespace {
 
-/// One double difference: state less reference.
+/// One double difference: state minus reference.
 struct Pair {
     const WholeState *of, *reference;
     double wavelength;
@@ -31,17 +31,17 @@ std::vector<Pair> double_differences(std::span<const WholeState> whole) {
     return pairs;
 }
 
-/// The largest squared distance between float and integers that chance explains.
+/// The largest squared distance between float and integers explained by chance.
 double largest_distance(double false_alarm, Eigen::Index count) {
     return math::chi_square_quantile(1.0 - false_alarm, static_cast<double>(count));
 }
 
-/// The double differences' covariance and their cross-covariance with the first states, in cycles.
+/// Covariance of the double differences and their cross-covariance with the first states, in cycles.
 struct Differenced {
     std::vector<Pair> pairs;
-    Eigen::VectorXd a;  ///< less the nearest whole numbers
+    Eigen::VectorXd a;  ///< minus the nearest integers
     Eigen::MatrixXd Q, C;
-    Eigen::MatrixXd repeated;  ///< what is added to Q for the search
+    Eigen::MatrixXd repeated;  ///< added to Q for the search
 };
 
 Differenced differenced(const Eigen::VectorXd& x, const Eigen::MatrixXd& P, std::span<const WholeState> whole,
@@ -75,7 +75,7 @@ IntegerTrial tried(const Eigen::VectorXd& x, const Eigen::MatrixXd& P, std::span
     IntegerTrial out;
     const Differenced d = differenced(x, P, whole, states);
     const Eigen::Index n = d.a.size();
-    constexpr Eigen::Index least = 4;  // fewer say little of three coordinates, and rarely prove themselves
+    constexpr Eigen::Index least = 4;  // fewer give little information about three coordinates, and are rarely validated
     if (n < least) return out;
     const auto decorrelated = decorrelate(d.Q + d.repeated);
     if (!decorrelated) return out;
@@ -88,7 +88,7 @@ IntegerTrial tried(const Eigen::VectorXd& x, const Eigen::MatrixXd& P, std::span
     constexpr double exact = 1e-12;
     out.ratio = std::min(best[1].distance / std::max(best[0].distance, exact), 9999.9);
     if (out.ratio < settings.ratio || best[0].distance > largest_distance(settings.false_alarm, count)) return out;
-    // conditioned on the integers by what the filter knows
+    // conditioned on the integers with the filter's knowledge
     const Eigen::MatrixXd Z = decorrelated->Z.rightCols(count);
     const Eigen::LLT<Eigen::MatrixXd> root(Z.transpose() * d.Q * Z);
     if (root.info() != Eigen::Success) return out;
@@ -106,7 +106,7 @@ IntegerTrial tried(const Eigen::VectorXd& x, const Eigen::MatrixXd& P, std::span
     return out;
 }
 
-/// Those left out whose double difference with the reference of their group is known by the fix, and is no whole number.
+/// Excluded ambiguities whose double difference with their group's reference is determined by the fix, and is not an integer.
 void find_broken(const Eigen::VectorXd& x, const Eigen::MatrixXd& P, std::span<const WholeState> all,
                  std::span<const WholeState> used, Eigen::Index, IntegerFix& fix, const IntegerSettings& settings) {
     for (const WholeState& w : all) {
@@ -136,7 +136,7 @@ IntegerTrial fix_integers(const Eigen::VectorXd& x, const Eigen::MatrixXd& P, st
             return next;
         }
     }
-    // without one satellite after the other, the lowest first
+    // omitting one satellite after the other, the lowest first
     constexpr int more = 3;
     std::vector<WholeState> left = all;
     for (int i = 0; i < more; ++i) {

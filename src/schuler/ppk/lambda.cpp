@@ -9,7 +9,7 @@
 namespace schuler::ppk {
 namespace {
 
-/// Q = L' diag(d) L from the last row up [DeJongeTiberius1996:3.3]. False where Q is not positive definite.
+/// Q = L' diag(d) L starting with the last row [DeJongeTiberius1996:3.3]. False if Q is not positive definite.
 bool factor(Eigen::MatrixXd q, Eigen::MatrixXd& L, Eigen::VectorXd& d) {
     const Eigen::Index n = q.rows();
     L = Eigen::MatrixXd::Identity(n, n);
@@ -23,7 +23,7 @@ bool factor(Eigen::MatrixXd q, Eigen::MatrixXd& L, Eigen::VectorXd& d) {
     return true;
 }
 
-/// Takes the whole part of L(i, j) off, so that at most one half is left.
+/// Subtracts the integer part of L(i, j), so that at most one half remains.
 void subtract_whole(Decorrelation& out, Eigen::Index i, Eigen::Index j) {
     const double whole = std::round(out.L(i, j));
     if (whole == 0.0) return;
@@ -32,7 +32,7 @@ void subtract_whole(Decorrelation& out, Eigen::Index i, Eigen::Index j) {
     out.Z.col(j) -= whole * out.Z.col(i);
 }
 
-/// Exchanges ambiguities j and j + 1; `variance` is what j + 1 then has.
+/// Exchanges ambiguities j and j + 1; `variance` is the new one of j + 1.
 void exchange(Decorrelation& out, Eigen::Index j, double variance) {
     Eigen::MatrixXd& L = out.L;
     Eigen::VectorXd& d = out.d;
@@ -50,7 +50,7 @@ void exchange(Decorrelation& out, Eigen::Index j, double variance) {
     out.Z.col(j).swap(out.Z.col(j + 1));
 }
 
-/// Whole numbers in order of distance from a real one: nearest first, then alternating sides.
+/// Integers in order of distance from a real number: nearest first, then alternating sides.
 struct Zigzag {
     double z = 0, step = 0;
     void start(double real) {
@@ -75,13 +75,13 @@ std::optional<Decorrelation> decorrelate(const Eigen::MatrixXd& covariance) {
     if (!factor(covariance, out.L, out.d)) return std::nullopt;
     const Eigen::Index n = out.size();
     out.Z = Eigen::MatrixXd::Identity(n, n);
-    // from the bottom up: columns below j are reduced already
+    // from the bottom up: columns below j are already reduced
     Eigen::Index j = n - 2, reduced = n - 2;
     while (j >= 0) {
         if (j <= reduced)
             for (Eigen::Index i = j + 1; i < n; ++i) subtract_whole(out, i, j);
         const double l = out.L(j + 1, j), variance = out.d[j] + l * l * out.d[j + 1];
-        constexpr double worth = 1.0 - 1e-9;  // a smaller gain is rounding, and might never end
+        constexpr double worth = 1.0 - 1e-9;  // a smaller gain is rounding, and might not terminate
         if (variance < worth * out.d[j + 1]) {
             exchange(out, j, variance);
             reduced = j;
@@ -117,7 +117,7 @@ std::vector<IntegerCandidate> nearest_integers(const Decorrelation& decorrelatio
     const auto L = decorrelation.L.bottomRightCorner(n, n);
     const auto d = decorrelation.d.tail(n);
     const auto real = z.tail(z.size() - first);
-    Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(n, n);  // row k: what the integers above k move the real values by
+    Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(n, n);  // row k: shift of the real values by the integers above k
     Eigen::VectorXd conditioned(n), distance = Eigen::VectorXd::Zero(n + 1), integers(n);
     std::vector<Zigzag> at(static_cast<std::size_t>(n));
     const auto zigzag = [&](Eigen::Index k) -> Zigzag& { return at[static_cast<std::size_t>(k)]; };

@@ -10,33 +10,33 @@
 namespace schuler::ppk {
 
 /// Integer least squares after a volume-preserving integer transformation z = Z' a that makes the ambiguities almost uncorrelated
-/// [Teunissen1995]: their covariance is L' diag(d) L with L unit lower triangular, so that d[k] is the variance of z[k] once z[k+1] to the
-/// last are known. The last are the best known.
+/// [Teunissen1995]: their covariance is L' diag(d) L with L unit lower triangular, so that d[k] is the variance of z[k]
+/// conditional on z[k+1] to the last. The last are known best.
 struct Decorrelation {
-    Eigen::MatrixXd Z;  ///< whole numbers, determinant +-1
+    Eigen::MatrixXd Z;  ///< integers, determinant +-1
     Eigen::MatrixXd L;
     Eigen::VectorXd d;
 
     [[nodiscard]] Eigen::Index size() const { return d.size(); }
-    /// The ambiguities themselves from z, exact for whole numbers.
+    /// The original ambiguities from z, exact for integers.
     [[nodiscard]] Eigen::VectorXd back(const Eigen::VectorXd& z) const;
 };
-/// Nothing where the covariance (cycles^2) is not positive definite.
+/// Empty if the covariance (cycles^2) is not positive definite.
 [[nodiscard]] std::optional<Decorrelation> decorrelate(const Eigen::MatrixXd& covariance);
 
-/// Probability that rounding one after the other, from the last on, gives the right integers of the last `count`; a lower bound for
-/// integer least squares [Teunissen1999].
+/// Probability that sequential rounding, starting with the last, gives the correct integers for the last `count`; a lower bound
+/// for integer least squares [Teunissen1999].
 [[nodiscard]] double success_rate(const Decorrelation& decorrelation, Eigen::Index count);
-/// The largest number of the last ones whose success rate is at least so high.
+/// The largest number of trailing elements whose success rate is at least `least`.
 [[nodiscard]] Eigen::Index count_with_success(const Decorrelation& decorrelation, double least);
 
-/// A vector of whole numbers and its squared distance from the real-valued one in the metric of their covariance.
+/// An integer vector and its squared distance from the real-valued one in the metric of the covariance.
 struct IntegerCandidate {
     Eigen::VectorXd z;
     double distance = 0;
 };
-/// The `wanted` nearest vectors to the last `count` of z, the nearest first, by the shrinking search of [Chang2005]. Fewer, possibly none,
-/// where it would visit more than `most_nodes`: then nothing can be said.
+/// The `wanted` nearest vectors to the last `count` of z, the nearest first, by the shrinking search of [Chang2005]. Fewer,
+/// possibly none, if it would visit more than `most_nodes`: the result is then undecided.
 [[nodiscard]] std::vector<IntegerCandidate> nearest_integers(const Decorrelation& decorrelation, const Eigen::VectorXd& z,
                                                              Eigen::Index count, std::size_t wanted,
                                                              std::size_t most_nodes = 20'000);

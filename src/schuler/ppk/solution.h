@@ -13,11 +13,11 @@
 
 namespace schuler::ppk {
 
-/// As RTKLIB numbers them.
+/// Numbered as in RTKLIB.
 enum class Quality : std::uint8_t { None = 0, Fixed = 1, Float = 2, Single = 5 };
 
-/// One carrier of one satellite in an epoch, Settings::views. Residuals are differences rover less base, measured minus modelled at the
-/// epoch's position, less the median of their system and carrier.
+/// One carrier of one satellite in an epoch, Settings::views. Residuals are differences rover minus base, measured minus modelled
+/// at the epoch's position, minus the median of their system and carrier.
 struct SignalView {
     gnss::SatelliteId satellite;
     char band = '1';
@@ -25,8 +25,8 @@ struct SignalView {
     double code = not_given, phase = not_given;              ///< m, residuals
     double code_sigma = not_given, phase_sigma = not_given;  ///< m, of a single difference
     bool code_used = false;
-    bool whole = false;               ///< its ambiguity is among the integers of the epoch
-    int rover_arc = 0, base_arc = 0;  ///< another number than before: the phase slipped, or was lost
+    bool whole = false;               ///< its ambiguity is among the fixed integers of the epoch
+    int rover_arc = 0, base_arc = 0;  ///< a change of number means that the phase slipped or was lost
 };
 
 struct EpochSolution {
@@ -34,14 +34,14 @@ struct EpochSolution {
     Quality quality = Quality::None;
     Ecef position;
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< m^2, Earth-fixed
-    Eigen::Vector3d velocity = not_given3();               ///< m/s, Earth-fixed; NaN where nothing says it
+    Eigen::Vector3d velocity = not_given3();               ///< m/s, Earth-fixed; NaN if undetermined
     Eigen::Matrix3d velocity_covariance = Eigen::Matrix3d::Zero();
-    int satellites = 0;  ///< in common with the base, or of the single-point solution
+    int satellites = 0;  ///< common with the base, or of the single-point solution
     int ambiguities = 0, fixed = 0;
     double ratio = 0, success = 0;
     double age = 0;                   ///< s to the base's epoch
-    int rejected = 0;                 ///< codes left out, and ambiguities begun anew because their phases did not fit
-    std::vector<SignalView> signals;  ///< empty but for Settings::views
+    int rejected = 0;                 ///< excluded codes, and ambiguities reset because their phases did not fit
+    std::vector<SignalView> signals;  ///< empty unless Settings::views
 };
 
 }  // namespace schuler::ppk

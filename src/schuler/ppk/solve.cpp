@@ -45,7 +45,7 @@ void check_times(const Input& input, double longest_age) {
         "name the base's log of the same hours");
 }
 
-/// The same measurements to the last digit at every instant that both logs have.
+/// Rejects logs with identical measurements at every common instant.
 void check_different(const Input& input) {
     const ObservationLog &rover = *input.rover, &base = *input.base;
     std::size_t same = 0, compared = 0;
@@ -70,7 +70,7 @@ void check_different(const Input& input) {
                          "name the log of the receiver at the known place");
 }
 
-/// Where the base is by itself.
+/// The base position from its own measurements.
 struct OwnPlace {
     Ecef position;
     double sigma = 0;  ///< m, three-dimensional

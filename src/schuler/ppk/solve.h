@@ -1,4 +1,4 @@
-// Carrier-phase positions of a whole log against a base station.
+// Carrier-phase positions of a whole log relative to a base station.
 #pragma once
 
 #include "schuler/core/log.h"
@@ -12,7 +12,7 @@
 
 namespace schuler::ppk {
 
-/// Both receivers' logs, in order of time, and what is known of the base.
+/// Both receivers' logs, in time order, and known data of the base.
 struct Input {
     const gnss::ObservationLog* rover = nullptr;
     const gnss::ObservationLog* base = nullptr;
@@ -29,18 +29,18 @@ struct Solution {
     std::vector<EpochSolution> epochs;
     Ecef base;
     PlaceOfBase place = PlaceOfBase::Given;
-    double base_sigma = 0;        ///< m, of the base's place: 0 where it is given or the header's
+    double base_sigma = 0;        ///< m, of the base position: 0 if given or from the header
     double longest_baseline = 0;  ///< m
     ArcCounts rover_arcs, base_arcs;
     [[nodiscard]] std::size_t count(Quality quality) const;
 };
 
-/// The base's place is checked against its own single-point solution.
-/// @throws Error(Input) with base.observations or base.position: logs that have no time or no satellite in common, that are the same,
-/// a base that moves or is somewhere else.
+/// The base position is checked against its own single-point solution. @throws Error(Input) with base.observations or
+/// base.position: logs without common time or satellites, identical logs, a base that moves or is at another
+/// position.
 [[nodiscard]] Solution solve(const Input& input, const Settings& settings, WarningLog& warnings);
 
-/// Position of the marker plus the antenna's height, east and north over it, as a header has them.
+/// Position of the marker plus the antenna offsets up, east and north, as given in a header.
 [[nodiscard]] Ecef antenna_of(const Ecef& marker, const Eigen::Vector3d& up_east_north);
 
 }  // namespace schuler::ppk

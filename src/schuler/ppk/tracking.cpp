@@ -28,7 +28,7 @@ std::string_view bands_of(System system) {
 
 bool has_phase(const SignalObservation& o) { return std::isfinite(o.phase) && o.phase != 0.0; }
 
-/// How often each signal of each satellite has a phase.
+/// Number of phases of each signal of each satellite.
 using Counts = std::map<std::pair<SatelliteId, gnss::Signal>, std::size_t>;
 Counts count_phases(const ObservationLog& log, const gnss::RangeSettings& settings) {
     Counts counts;
@@ -41,7 +41,7 @@ struct Mode {
     SignalPair pair;
     std::size_t count = 0;
 };
-/// The best tracking modes of a satellite's carrier: one that both have, else the most frequent of each.
+/// The best tracking modes of a satellite's carrier: a common one, else the most frequent of each.
 Mode best_mode(const Counts& rover, const Counts& base, SatelliteId id, char band) {
     Mode common, apart;
     std::size_t most_rover = 0, most_base = 0;
@@ -64,7 +64,7 @@ Mode best_mode(const Counts& rover, const Counts& base, SatelliteId id, char ban
         apart.pair.base = it->first.second;
     }
     apart.count = std::min(most_rover, most_base);
-    // a mode that both have is worth more even where another is there more often
+    // a common mode is preferred even if another is more frequent
     return 2 * common.count >= apart.count ? common : apart;
 }
 
@@ -75,7 +75,7 @@ const SignalObservation* find(std::span<const SignalObservation> of_satellite, g
 
 bool is_code(double pseudorange) { return pseudorange > 1e6 && pseudorange < 1e9; }
 
-/// One satellite of an epoch; nothing without a code, an ephemeris or a phase.
+/// One satellite of an epoch; empty without a code, an ephemeris or a phase.
 std::optional<TrackedSatellite> tracked_satellite(std::span<const SignalObservation> of_satellite,
                                                   std::span<const SignalPair> pairs, Side side, Time tag,
                                                   const gnss::SatelliteSource& source, const ObservationLog& log,
@@ -84,7 +84,7 @@ std::optional<TrackedSatellite> tracked_satellite(std::span<const SignalObservat
     out.id = of_satellite.front().satellite;
     const auto with_code = std::ranges::find_if(of_satellite, [](const SignalObservation& o) { return is_code(o.pseudorange); });
     if (with_code == of_satellite.end()) return std::nullopt;
-    // the time of transmission by the satellite's clock, whatever the receiver's shows, then by GPS time
+    // the time of transmission by the satellite's clock, independent of the receiver's, then in GPS time
     const Time by_clock = tag - Duration::from_seconds(with_code->pseudorange / gnss::speed_of_light);
     const auto first = source.at(out.id, with_code->signal, by_clock);
     if (!first) return std::nullopt;
@@ -141,7 +141,7 @@ SignalPlan common_signals(const ObservationLog& rover, const ObservationLog& bas
         }
         for (const Mode& m : found) {
             auto& pairs = plan.of[gnss::index_of(id)];
-            // a carrier that is there only now and then does not displace another
+            // a carrier that is present only occasionally does not displace another
             if (pairs.size() < std::min(frequencies, most_signals) && 2 * m.count >= most) pairs.push_back(m.pair);
         }
         while (it != of_rover.end() && it->first.first == id) ++it;
@@ -182,7 +182,7 @@ std::vector<TrackedEpoch> tracked(const ObservationLog& log, Side side, const Si
             }
         }
         epoch.time = e.time - clock_error;
-        if (!last) continue;  // nothing is known of where the receiver is
+        if (!last) continue;  // the position of the receiver is unknown
         epoch.position = *last;
         const Geodetic geodetic = earth::geodetic_from_ecef(earth::wgs84, *last);
         for (std::size_t first = 0, end = 0; first < observations.size(); first = end) {

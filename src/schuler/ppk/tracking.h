@@ -1,4 +1,4 @@
-// What one receiver tracked, epoch by epoch: code and phase of the signals that both receivers have, with the satellites that sent them.
+// Tracked data of one receiver by epoch: code and phase of the signals that both receivers have, with the transmitting satellites.
 #pragma once
 
 #include "schuler/gnss/observation.h"
@@ -14,37 +14,37 @@ using gnss::SatelliteId;
 
 inline constexpr std::size_t most_signals = 3;
 
-/// A signal of one satellite as each receiver tracks it. Codes of different tracking modes have delays of their own.
+/// A signal of one satellite as tracked by each receiver. Codes of different tracking modes have different delays.
 struct SignalPair {
     gnss::Signal rover, base;
     [[nodiscard]] bool same() const { return rover == base; }
 };
 
-/// What is differenced between rover and base, by satellite.
+/// Signals differenced between rover and base, by satellite.
 struct SignalPlan {
     std::array<std::vector<SignalPair>, gnss::satellite_count> of;
     [[nodiscard]] std::size_t satellites() const;
 };
 
-/// Up to `frequencies` signals for each satellite of the systems wanted, on the carriers in order of preference, that both logs have phases
-/// of; of several tracking modes on a carrier the one that both have most often.
+/// Up to `frequencies` signals for each satellite of the selected systems, on the carriers in order of preference, with phases in
+/// both logs; of several tracking modes on a carrier the one most frequent in both.
 [[nodiscard]] SignalPlan common_signals(const gnss::ObservationLog& rover, const gnss::ObservationLog& base,
                                         const gnss::RangeSettings& settings, std::size_t frequencies);
 
-/// One signal. NaN where it was not measured.
+/// One signal. NaN if not measured.
 struct TrackedSignal {
     double code = not_given;     ///< m
     double phase = not_given;    ///< m
     double doppler = not_given;  ///< m/s, range rate
     double wavelength = 0;       ///< m
     double cn0 = not_given;      ///< dB-Hz
-    int arc = 0;                 ///< the phase counts on without a jump while this number stays; 0: no phase
-    bool lost = false;           ///< the receiver says that it lost lock since the epoch before
+    int arc = 0;                 ///< unchanged while the phase is continuous; 0: no phase
+    bool lost = false;           ///< loss of lock since the previous epoch, flagged by the receiver
     bool half_cycle = false;     ///< the receiver has not yet resolved half cycles
-    bool jumped = false;         ///< the arc began with a jump that the receiver did not tell, of half cycles perhaps
+    bool jumped = false;         ///< the arc started with a jump not flagged by the receiver, possibly of half cycles
 };
 
-/// One satellite at the time when what arrives now was sent.
+/// One satellite at the time of transmission of the signal received now.
 struct TrackedSatellite {
     SatelliteId id;
     Time transmit;
@@ -60,22 +60,22 @@ struct TrackedSatellite {
 struct TrackedEpoch {
     Time tag;                          ///< by the receiver's clock
     Time time;                         ///< GPS time
-    Ecef position;                     ///< the single-point solution; where there is none, the last one
-    bool placed = false;               ///< there is a single-point solution
+    Ecef position;                     ///< the single-point solution; if there is none, the last one
+    bool placed = false;               ///< a single-point solution exists
     gnss::SinglePointSolution single;  ///< without its satellites
     std::vector<TrackedSatellite> satellites;
 };
 
 enum class Side { Rover, Base };
 
-/// Goes through a log. `fixed`: where the receiver stands, if it is at rest at a known place; then no single-point solution is computed.
-/// Signals below the elevation mask or too weak are left out.
+/// Processes a log. `fixed`: position of the receiver if it is at rest at a known point; no single-point solution is then
+/// computed. Signals below the elevation mask or too weak are excluded.
 [[nodiscard]] std::vector<TrackedEpoch> tracked(const gnss::ObservationLog& log, Side side, const SignalPlan& plan,
                                                 const gnss::SatelliteSource& source, gnss::SinglePoint& solver,
                                                 const gnss::RangeSettings& settings, std::optional<Ecef> fixed);
 
-/// Range from a satellite at its time of transmission to a receiver, with the Earth's rotation during the flight, m; and its gradient in the
-/// receiver's position, the unit vector of the line of sight.
+/// Range from a satellite at its time of transmission to a receiver, including the Earth's rotation during the light time, m; and
+/// its gradient with respect to the receiver position, the unit vector of the line of sight.
 struct Line {
     double range = 0;
     Eigen::Vector3d towards{0, 0, 0};

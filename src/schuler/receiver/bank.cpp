@@ -11,11 +11,11 @@ namespace schuler::receiver {
 namespace {
 
 constexpr double c = gnss::speed_of_light;
-/// Beyond these a prediction may lie outside the reach of a deep channel's discriminators (half a chip, a quarter of the inverse
+/// Beyond these a prediction may be outside the range of a deep channel's discriminators (half a chip, a quarter of the inverse
 /// symbol).
 constexpr double deep_range = 40.0, deep_rate = 0.8;  // m, m/s, one sigma
-constexpr int rate_span = 200;                        // code periods over which a followed phase tells a rate
-constexpr int pause = 100;  // code periods from one search that found to the next, while the navigation uses it
+constexpr int rate_span = 200;                        // code periods over which a tracked phase gives a rate
+constexpr int pause = 100;  // code periods between a successful search and the next, while the navigation uses it
 
 theory::PllResponse response_of(const BankSettings& settings) {
     const TrackingSettings& s = settings.guidance == Guidance::Loops ? settings.aided : settings.alone;
@@ -25,7 +25,7 @@ theory::PllResponse response_of(const BankSettings& settings) {
 }  // namespace
 
 double shared_rate_span(const BankSettings& settings) {
-    // spans whose ends are spread evenly over a symbol are a third of it apart in the mean
+    // spans with uniformly distributed ends within a symbol are a third of it apart on average
     constexpr double span = rate_span * Bank::period, symbol = 0.02;  // s
     if (settings.guidance == Guidance::Generators) return span / (1.0 - symbol / (3.0 * span));
     return 1.0 / response_of(settings).clock_common;
@@ -42,7 +42,7 @@ Bank::Channel::Channel(const SignalStructure& signal_, const BankSettings& setti
       tracker(signal_, peak, settings.guidance == Guidance::Loops ? settings.aided : settings.alone),
       deep(signal_, peak, settings.deep),
       symbol(static_cast<int>(std::lround(signal_.symbol_duration / period))),
-      // the flight of the signals is tens of milliseconds longer for one than for another
+      // the light times of the signals differ by tens of milliseconds
       phase(static_cast<int>(7 * number) % symbol) {}
 
 Bank::Bank(const SignalField& field, const BankSettings& settings, std::uint64_t seed, double start)
@@ -106,7 +106,7 @@ bool Bank::search(std::size_t i, const LineOfSight& truth, double cn0) {
             ch.found = false;
             return true;
         }
-        // after each sweep from what is known by then: the window of a long search would stay where the signal was
+        // after each sweep with the current prediction: the window of a long search would remain at the old position
         const bool swept =
             ch.search && !ch.search->candidate() && ch.search->elapsed() >= ch.search->dwells_per_sweep() * ch.search->dwell();
         if (!ch.search || swept) ch.search.emplace(new_search(i, truth));
@@ -125,7 +125,7 @@ void Bank::step_alone(std::size_t i, const LineOfSight& truth, double cn0, bool 
     if (state == TrackState::Idle || state == TrackState::Lost) {
         if (!view) ch.search.reset();
         if (!view || !search(i, truth, cn0)) return;
-        // the coarse search of a receiver alone leaves more in frequency than sums over half symbols reach
+        // the coarse search of an autonomous receiver leaves a larger frequency error than sums over half symbols can resolve
         ch.tracker.start(ch.search->replica(), guided ? std::optional(ch.phase) : std::nullopt);
         ch.search.reset();
     }
@@ -143,11 +143,11 @@ void Bank::step_deep(std::size_t i, const LineOfSight& truth, double cn0, bool v
         return;
     }
     const Prediction& p = predictions_[i];
-    // what runs is kept longer: a signal too weak to be found may still be followed
+    // a running channel is kept longer: a signal too weak to be found may still be tracked
     const double patience = ch.running ? 2.0 : 1.0;
     if (!(p.std_range < patience * deep_range && p.std_rate < patience * deep_rate)) {
-        // a prediction that may lie beyond the discriminators' reach would make measurements that are none: look for the signal
-        ch.running = false;  // what runs again runs from what is known then
+        // a prediction outside the range of the discriminators would give invalid measurements: search for the signal
+        ch.running = false;  // a restarted channel uses the current prediction
         if (!search(i, truth, cn0)) return;
         ch.measured = {};
         ch.measured.status = ChannelMeasurement::Status::Noncoherent;
@@ -167,7 +167,7 @@ void Bank::step_deep(std::size_t i, const LineOfSight& truth, double cn0, bool v
         ch.deep.start(predicted(i, now()), ch.phase);
         ch.running = true;
     }
-    if (now() < guided_at_ + 0.5 * period) ch.deep.steer(predicted(i, now()));  // a new word: the generators turn at once
+    if (now() < guided_at_ + 0.5 * period) ch.deep.steer(predicted(i, now()));  // a new prediction: steer the generators at once
     const ReplicaError error = replica_error(ch.signal, ch.deep.replica(), truth, period);
     const auto out = ch.deep.step(ch.model.dump(error, cn0, period, ch.sign, ch.noise));
     if (!out) return;
@@ -175,14 +175,14 @@ void Bank::step_deep(std::size_t i, const LineOfSight& truth, double cn0, bool v
     ch.expected = ch.deep.predicted();
     ch.at = now() + period;
     ch.fresh = out->status != ChannelMeasurement::Status::NoSignal;
-    // the oscillator's white noise of frequency, a mean over the symbol, is more than the navigation says
+    // the white frequency noise of the oscillator, averaged over the symbol, exceeds the navigation's uncertainty
     const double clock_noise = c * std::sqrt(0.5 * settings_.oscillator.h0 / ch.signal.symbol_duration);
     ch.deep.command(predicted(i, now() + period), std::hypot(p.std_rate, clock_noise));
 }
 
 void Bank::measure(std::vector<BankMeasurement>& out, double interval) {
     out.clear();
-    const double late = clock_ / c;  // s by which the receiver's clock showed now before it was now
+    const double late = clock_ / c;  // delay in s of the instant at which the receiver's clock showed now
     for (std::size_t i = 0; i < channels_.size(); ++i) {
         Channel& ch = channels_[i];
         BankMeasurement m;
@@ -214,7 +214,7 @@ void Bank::measure(std::vector<BankMeasurement>& out, double interval) {
         const LineOfSight here = ch.tracker.motion().after(-late);
         const double dll = locked ? s.dll_bandwidth : s.code_only_dll, sum = (locked ? s.integration : ch.symbol) * period;
         m.cn0 = std::max(ch.tracker.cn0(), 10.0);
-        // a loop's output changes once in 1/(2 bandwidth): read more often it says less each time
+        // a loop's output changes once in 1/(2 bandwidth): read more often each value has less information
         m.range = here.range;
         const double jitter = theory::dll_jitter(dll, m.cn0, sum, ch.peak, s.spacing, s.discriminator);
         m.range_variance = std::pow(ch.signal.chip_length() * jitter, 2) * std::max(1.0, 1.0 / (2.0 * dll * interval));

@@ -16,7 +16,7 @@ constexpr std::array<std::array<int, 2>, 32> phase_selection{{{2, 6},  {3, 7}, {
                                                               {5, 7},  {6, 8}, {7, 9}, {8, 10}, {1, 6}, {2, 7},  {3, 8}, {4, 9}}};
 // clang-format on
 
-/// A ten-stage register, all ones to begin with; stage 1 is the one fed.
+/// A ten-stage register, initially all ones; stage 1 is the input.
 struct Register {
     std::uint32_t bits = 0x3ff;
     [[nodiscard]] std::uint32_t stage(int i) const { return bits >> (i - 1) & 1U; }

@@ -15,10 +15,10 @@ namespace {
 
 using std::numbers::pi;
 constexpr double reach = 2.0;    ///< chips
-constexpr double nodes = 256.0;  ///< of the table, a chip
+constexpr double nodes = 256.0;  ///< of the table, per chip
 
-/// With 1 - cos(2 pi f x) over (pi f)^2 integrated from -b to b; R is a second difference of it, since
-/// sin^2(pi f) cos(2 pi f tau) is one of cosines.
+/// 1 - cos(2 pi f x) over (pi f)^2 integrated from -b to b; R is a second difference of it, because sin^2(pi f) cos(2 pi f tau)
+/// is one of cosines.
 double kernel(double x, double b) {
     return 2.0 / (pi * pi) * (2.0 * pi * x * sine_integral(2.0 * pi * b * x) - (1.0 - std::cos(2.0 * pi * b * x)) / b);
 }
@@ -42,7 +42,7 @@ double sine_integral(double x) {
         }
         return sum;
     }
-    // Si(x) = pi/2 + Im E1(ix), E1 by its continued fraction, evaluated from its tail
+    // Si(x) = pi/2 + Im E1(ix), E1 by its continued fraction, evaluated backwards
     const std::complex<double> z(0.0, x);
     std::complex<double> tail = 0.0;
     for (int k = 120; k >= 1; --k) tail = static_cast<double>(k) * k / (z + (2.0 * k + 1.0) - tail);

@@ -1,4 +1,4 @@
-// The correlation of a band-limited signal with its replica.
+// Correlation of a band-limited signal with its replica.
 #pragma once
 
 #include <limits>
@@ -7,16 +7,16 @@
 namespace schuler::receiver {
 
 /// R(tau) = integral over |f| < b of sinc^2(f) cos(2 pi f tau) df, b half the two-sided band in chip rates: a rectangular code of
-/// random chips through an ideal front end [Groves2013]. R is at once the signal's amplitude at a code error tau and the
-/// covariance of the noise of two correlators tau apart, because the same filter has shaped both. Side lobes of a particular
-/// code are left out: beyond two chips R is zero.
+/// random chips through an ideal front end [Groves2013]. R is both the signal's amplitude at a code error tau and the covariance
+/// of the noise of two correlators tau apart, because both passed the same filter. Side lobes of a particular code are neglected:
+/// beyond two chips R is zero.
 class CorrelationPeak {
 public:
     /// @param bandwidth two-sided, Hz; infinite: the triangle. Throws Error(Input) below 0.5 chip rates.
     CorrelationPeak(double chip_rate, double bandwidth = std::numeric_limits<double>::infinity());
 
     [[nodiscard]] double operator()(double tau) const;  ///< tau in chips
-    [[nodiscard]] double slope(double tau) const;       ///< dR/dtau, 1/chip; of the triangle at its tip 0
+    [[nodiscard]] double slope(double tau) const;       ///< dR/dtau, 1/chip; 0 at the tip of the triangle
     [[nodiscard]] bool triangle() const { return table_.empty(); }
 
 private:

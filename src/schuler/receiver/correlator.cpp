@@ -39,7 +39,7 @@ CorrelatorModel::CorrelatorModel(const CorrelationPeak& peak, double spacing) : 
                           "give early to late in chips, 1 or less");
     const double all = peak(0.0), half = peak(spacing / 2.0), full = peak(spacing);
     covariance_ << all, half, full, half, all, half, full, half, all;
-    // Early minus twice prompt plus late has next to no noise in a narrow band at a small spacing: the root must bear a rank of
+    // Early minus twice prompt plus late has almost no noise in a narrow band at a small spacing: the root must permit a rank of
     // two.
     const Eigen::LLT<Eigen::Matrix3d> factor(covariance_ + 1e-12 * Eigen::Matrix3d::Identity());
     if (factor.info() != Eigen::Success)

@@ -11,12 +11,12 @@ namespace schuler::receiver {
 namespace {
 
 constexpr double quicker = 0.1;              ///< time constant of the second C/N0 estimate over that of the first
-constexpr double settled = 0.25;             ///< of the first: so long a strength has to last for a phase to be believed
+constexpr double settled = 0.25;             ///< of the first: required duration of a signal strength before a phase is accepted
 constexpr double unknown_phase = 1.0;        ///< rad^2
-constexpr double unknown_frequency = 100.0;  ///< Hz^2: the navigation holds 10 Hz
-constexpr double unsaid_frequency = 0.25;    ///< Hz^2: beyond what the navigation's sigma says
+constexpr double unknown_frequency = 100.0;  ///< Hz^2: the navigation is within 10 Hz
+constexpr double unsaid_frequency = 0.25;    ///< Hz^2: in addition to the navigation's sigma
 constexpr double said_time = 1.0;            ///< s, correlation time of the navigation's error
-constexpr double agreed = 0.25;              ///< least cosine of the turn from half to half of a phase that is followed
+constexpr double agreed = 0.25;              ///< minimum cosine of the rotation between symbol halves for a tracked phase
 
 }  // namespace
 
@@ -45,7 +45,7 @@ DeepChannel::DeepChannel(const SignalStructure& signal, const CorrelationPeak& p
       quick_(signal.symbol_duration / 2.0, quicker * settings.cn0_time, peak_, 1000.0) {}
 
 void DeepChannel::place() {
-    // The middle of the coming code period counts; the carrier's phase goes on as it was.
+    // The middle of the coming code period is used; the carrier phase remains continuous.
     const double phase = replica_.carrier_phase;
     replica_ = aligned_replica(signal_, {predicted_.range, predicted_.after(period_ / 2.0).rate});
     replica_.carrier_phase = phase;
@@ -81,7 +81,7 @@ void DeepChannel::steer(const LineOfSight& predicted) {
 std::optional<ChannelMeasurement> DeepChannel::step(const Correlators& dump) {
     replica_ = replica_.after(period_);
     predicted_ = predicted_.after(period_);
-    const bool whole = counted_ == dump_;  // a symbol joined in its middle is let pass
+    const bool whole = counted_ == dump_;  // a symbol joined in its middle is skipped
     Correlators& half = halves_[2 * dump_ / symbol_];
     half.early += dump.early;
     half.prompt += dump.prompt;
@@ -99,7 +99,7 @@ std::optional<ChannelMeasurement> DeepChannel::step(const Correlators& dump) {
 }
 
 void DeepChannel::follow_phase(std::complex<double> half) {
-    // Forward half a symbol: the frequency turns the phase, the unknown acceleration walks the frequency.
+    // Forward half a symbol: the frequency rotates the phase, the unknown acceleration is a random walk of frequency.
     const double T = signal_.symbol_duration / 2.0, q = std::pow(settings_.acceleration / signal_.wavelength(), 2);
     Eigen::Matrix2d F;
     F << 1.0, turn * T, 0.0, 1.0;
@@ -107,8 +107,8 @@ void DeepChannel::follow_phase(std::complex<double> half) {
     Q << turn * turn * T * T * T / 3.0, turn * T * T / 2.0, turn * T * T / 2.0, T;
     carrier_ = F * carrier_;
     P_ = (F * P_ * F.transpose()).eval() + q * Q;
-    // The sum knows the phase in the middle of the half symbol, modulo half a cycle, blind to the message; I times Q and not their
-    // arctangent, whose slope falls in noise.
+    // The sum determines the phase at the middle of the half symbol, modulo half a cycle, independent of the message; I times Q
+    // is used instead of the arctangent, whose slope decreases in noise.
     const Eigen::RowVector2d H(1.0, -turn * T / 2.0);
     const double power = 2.0 * cn0_.cn0() * T * peak_, variance = 1.0 / power * (1.0 + 1.0 / power);
     const std::complex<double> turned = half * std::polar(1.0, (H * carrier_).value());
@@ -122,10 +122,10 @@ void DeepChannel::follow_phase(std::complex<double> half) {
 }
 
 void DeepChannel::judge_power(double both) {
-    // A signal that comes back or breaks off is not averaged in: residuals scaled by the old power would be wrong by the ratio of
+    // A signal that reappears or breaks off is not averaged: residuals scaled by the old power would be wrong by the ratio of
     // both.
     constexpr double appears = 8.0, breaks_off = 5.0;  // sigmas of two squared prompts
-    constexpr double changes = 4.0;                    // of the quick mean
+    constexpr double changes = 4.0;                    // of the fast mean
     const double half = signal_.symbol_duration / 2.0, power = 2.0 * cn0_.cn0() * half * peak_ * peak_;
     const double expected = 2.0 * (power + 2.0 * peak_), sigma = std::sqrt(8.0 * peak_ * (peak_ + power));
     if (both > expected + appears * sigma || both < expected - breaks_off * sigma) {
@@ -141,7 +141,7 @@ void DeepChannel::judge_power(double both) {
         cn0_.add(c.prompt);
         quick_.add(c.prompt);
     }
-    // of a mean over n prompts, whose squares scatter by 2 sqrt(R0 (R0 + P))
+    // of a mean over n prompts, whose squares have the sigma 2 sqrt(R0 (R0 + P))
     const double n = std::max(1.0, 2.0 * quicker * settings_.cn0_time / half);
     const double scatter = 2.0 * std::sqrt(peak_ * (peak_ + power) / n) / (2.0 * half * peak_ * peak_);
     if (std::abs(quick_.cn0() - cn0_.cn0()) > changes * scatter) {
@@ -168,8 +168,8 @@ ChannelMeasurement DeepChannel::finish() {
 }
 
 void DeepChannel::measure(ChannelMeasurement& out) const {
-    // Code from the whole symbol (its halves are out of step by 43 degrees at 12 Hz, which costs 0.6 dB); the turn from half to half
-    // by its sine, whose noise stays what the formula says however weak the signal is.
+    // Code from the whole symbol (its halves are out of phase by 43 degrees at 12 Hz, which costs 0.6 dB); the rotation between
+    // the halves by its sine, whose noise follows the formula for any signal strength.
     const double half = out.duration / 2.0, power = 2.0 * out.cn0 * half;  // of each half symbol
     const auto whole = [&](std::complex<double> Correlators::*sum) {
         return (halves_[0].*sum + halves_[1].*sum) / std::sqrt(2.0);
@@ -188,12 +188,12 @@ void DeepChannel::measure(ChannelMeasurement& out) const {
 void DeepChannel::follow(ChannelMeasurement& out) {
     const bool strong = out.status != ChannelMeasurement::Status::NoSignal;
     const double half = out.duration / 2.0, power = 2.0 * out.cn0 * half, aligned = power * peak_ * peak_;
-    // A false frequency turns the halves against each other, while the phase, which is blind to half cycles, may look steady on it.
-    // The mean is so long that it is good to a quarter; a strong signal shows in one symbol.
+    // A false frequency rotates the halves against each other, while the phase, insensitive to half cycles, may appear steady.
+    // The averaging time gives an accuracy of a quarter; a strong signal is evident within one symbol.
     const double scatter = 2.0 * peak_ * (aligned + peak_) / (aligned * aligned), share = std::min(1.0, 0.125 / scatter);
     agreement_ += share * ((halves_[1].prompt * std::conj(halves_[0].prompt)).real() / aligned - agreement_);
     if (!strong) agreement_ = 0.0;
-    // The frequency is the error of the navigation's word, which changes as the navigation learns.
+    // The frequency is the error of the navigation's prediction, which changes as the navigation improves.
     const double chip = signal_.chip_length(), wavelength = signal_.wavelength();
     const double kept = std::exp(-out.duration / said_time);
     const double said = std::min(unknown_frequency, std::pow(std_rate_ / wavelength, 2) + unsaid_frequency);
@@ -205,7 +205,7 @@ void DeepChannel::follow(ChannelMeasurement& out) {
     double prompt = 0.0, late_less_early = 0.0;
     for (const Correlators& c : halves_) {
         follow_phase(c.prompt);
-        // turned back to where the filter says the signal lay in the half's middle
+        // rotated back to the filter's estimate of the signal at the middle of the half
         const std::complex<double> back = std::polar(std::sqrt(0.5), carrier_[0] - turn * carrier_[1] * half / 2.0);
         prompt += (c.prompt * back).real();
         late_less_early += ((c.late - c.early) * back).real();
@@ -218,10 +218,10 @@ void DeepChannel::follow(ChannelMeasurement& out) {
     const double within = std::remainder(carrier_[0], turn);
     turns_ += carrier_[0] - within;
     carrier_[0] = within;
-    // A strength just found may be a spike of the noise, which would make the phase look certain.
+    // A newly found strength may be a noise peak, which would make the phase appear certain.
     const bool steady = steady_ >= settled * settings_.cn0_time;
     if (!strong || !steady || agreement_ < agreed || P_(0, 0) > settings_.followed * settings_.followed) return;
-    // the prompt brings the message's sign, and noise of its own that is known however weak the signal is
+    // the prompt contributes the message's sign, and noise that is known for any signal strength
     const double gain = 4.0 * slope_ * peak_ * power;
     out.status = ChannelMeasurement::Status::Coherent;
     out.range = -chip * late_less_early * prompt / gain;

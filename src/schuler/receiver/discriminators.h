@@ -1,4 +1,4 @@
-// What a correlator dump tells of the replica's error: estimates of replica minus signal.
+// Replica errors from a correlator dump: estimates of replica minus signal.
 #pragma once
 
 #include "schuler/receiver/correlator.h"
@@ -10,19 +10,19 @@
 
 namespace schuler::receiver {
 
-/// Phase error modulo half a cycle, rad in (-pi/2, pi/2], blind to the message's sign: the two-quadrant arctangent of Costas
-/// loops [Kaplan2017].
+/// Phase error modulo half a cycle, rad in (-pi/2, pi/2], independent of the message's sign: the two-quadrant arctangent of
+/// Costas loops [Kaplan2017].
 [[nodiscard]] inline double costas_phase(std::complex<double> prompt) {
     return prompt.real() == 0.0 ? 0.0 : -std::atan(prompt.imag() / prompt.real());
 }
 
-/// Frequency error in Hz from two prompts `interval` s apart (middle to middle) that carry the same sign; within +-1/(2
+/// Frequency error in Hz from two prompts of equal sign `interval` s apart (middle to middle); within +-1/(2
 /// interval).
 [[nodiscard]] inline double frequency_between(std::complex<double> first, std::complex<double> second, double interval) {
     return -std::arg(second * std::conj(first)) / (2.0 * std::numbers::pi * interval);
 }
 
-/// The same where the sign may have changed between them; within +-1/(4 interval).
+/// The same if the sign may have changed between them; within +-1/(4 interval).
 [[nodiscard]] inline double frequency_across_bits(std::complex<double> first, std::complex<double> second, double interval) {
     return costas_phase(second * std::conj(first)) / (2.0 * std::numbers::pi * interval);
 }
@@ -32,8 +32,8 @@ enum class CodeDiscriminator {
     DotProduct,      ///< Re((E - L) P*): quasi-coherent
 };
 
-/// Code error in chips, for a peak and a spacing. Scaled by the power of the signal, known or estimated beforehand, and not by
-/// that of the same dump: the gain stays what the loop's bandwidth was computed for, down into the noise.
+/// Code error in chips, for a peak and a spacing. Normalised by a signal power known or estimated beforehand, not by that of the
+/// same dump: the gain thus remains the design value of the loop bandwidth at any C/N0.
 class CodeError {
 public:
     CodeError(const CorrelationPeak& peak, double spacing, CodeDiscriminator kind)
@@ -45,14 +45,14 @@ public:
           gain_(-2.0 * peak.slope(spacing / 2.0) *
                 (kind == CodeDiscriminator::EarlyLatePower ? 2.0 * peak(spacing / 2.0) : peak(0.0))) {}
 
-    /// @param power squared amplitude of an aligned prompt without band limit (2 C/N0 T). The result is held within +-spacing.
+    /// @param power squared amplitude of an aligned prompt without band limit (2 C/N0 T). The result is limited to +-spacing.
     [[nodiscard]] double operator()(const Correlators& c, double power) const {
         return std::clamp(difference(c) / (gain_ * power), -limit_, limit_);
     }
-    /// Not held: what a filter wants that weighs by variance.
+    /// Not limited: for filters that weight by variance.
     [[nodiscard]] double unlimited(const Correlators& c, double power) const { return difference(c) / (gain_ * power); }
-    /// Variance of unlimited() for an aligned replica, chips^2: signal times noise and noise times noise, both linear in
-    /// the noise of late minus early.
+    /// Variance of unlimited() for an aligned replica, chips^2: signal times noise and noise times noise, both linear in the
+    /// noise of late minus early.
     [[nodiscard]] double variance(double power) const {
         const double products = kind_ == CodeDiscriminator::EarlyLatePower ? 4.0 * squared_ : 2.0 * squared_;
         return noise_ * (amplitude_ * amplitude_ * power + products) / (gain_ * gain_ * power * power);

@@ -12,7 +12,7 @@ namespace schuler::receiver {
 
 namespace {
 
-/// The largest product of 2, 3 and 5 that is not above n.
+/// The largest product of powers of 2, 3 and 5 not above n.
 std::size_t quick_size(std::size_t n) {
     for (;; --n) {
         std::size_t rest = n;
@@ -22,10 +22,10 @@ std::size_t quick_size(std::size_t n) {
     }
 }
 
-/// Mean square of a C/A code's side lobes over the peak's: that of a random code's at whole chips, two thirds of it between them.
+/// Mean square of a C/A code's side lobes relative to the peak: that of a random code at whole chips, two thirds between them.
 constexpr double side_lobes = 2.0 / 3.0 / 1023.0;
 
-/// Mean of the cells of a Doppler more than a chip and a half from the peak: in other Dopplers the signal is spread over all.
+/// Mean of the cells of a Doppler over one and a half chips from the peak: at other Dopplers the signal is spread over all cells.
 double mean_beside(std::span<const float> power, std::size_t peak) {
     const std::size_t n = power.size(), reach = 3 * n / (2 * 1023) + 1;
     double sum = 0.0;
@@ -104,12 +104,12 @@ Acquired FftAcquisition::acquire(std::span<const IfSample> samples, int prn) con
     const double cells = static_cast<double>(n) * (2.0 * bins + 1.0), freedom = 2.0 * periods_;
     Acquired out;
     out.statistic = best / (total / cells) * freedom;
-    // the cells of one chip and of neighbouring bins are not independent: the threshold errs towards silence
+    // the cells of one chip and of neighbouring bins are not independent: the threshold is conservative
     out.threshold = math::chi_square_quantile(1.0 - false_alarm_ / cells, freedom);
     out.found = out.statistic > out.threshold;
     const double beside = mean_beside(power_of_best, place);
     out.noise = std::sqrt(std::max(0.1 * beside, beside - side_lobes * (best - beside)) / (freedom * static_cast<double>(n)));
-    // the code begins this part of a period after the first sample
+    // the code starts this fraction of a period after the first sample
     out.replica.code_phase = -static_cast<double>(place) * 1023.0 / static_cast<double>(n);
     out.replica.carrier_frequency = doppler;
     out.replica.code_rate = doppler * gps_l1_ca().chips_per_cycle();

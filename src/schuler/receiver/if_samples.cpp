@@ -86,7 +86,7 @@ SampleCorrelator::SampleCorrelator(const IfFormat& format, int prn, double spaci
     if (!(spacing > 0.0 && spacing < 2.0))
         throw input_error(fmt::format("correlator spacing {} chips is not between 0 and 2", spacing), {.key = "spacing"});
     const CaCode code = ca_code(prn);
-    // two periods, so that a dump may begin anywhere in the first
+    // two periods, so that a dump may start anywhere in the first
     for (int i = -guard; i < 2 * 1023 + 3; ++i) table_.push_back(code[static_cast<std::size_t>((i + 1023) % 1023)]);
     for (std::vector<float>* v : {&carrier_re_, &carrier_im_, &early_, &prompt_, &late_}) v->resize(format.samples_per_period());
 }
@@ -95,7 +95,7 @@ Correlators SampleCorrelator::correlate(std::span<const IfSample> samples, doubl
                                         double noise_std) {
     const std::size_t n = format_.samples_per_period();
     if (samples.size() != n) throw input_error(fmt::format("{} samples for a period of {}", samples.size(), n));
-    // carrier: lanes of eight phases turned by eight samples at a time
+    // carrier: lanes of eight phases rotated by eight samples at a time
     constexpr std::size_t lanes = 8;
     const double cycles = fraction(format_.intermediate_frequency * begin + replica.carrier_phase);
     const double per_sample = (format_.intermediate_frequency + replica.carrier_frequency) / format_.sample_rate;

@@ -1,4 +1,4 @@
-// Samples of an intermediate frequency: how they are taken, made for tests, correlated and searched.
+// Intermediate-frequency samples: format, generation for tests, correlation and search.
 #pragma once
 
 #include "schuler/math/fft.h"
@@ -19,13 +19,13 @@ struct IfFormat {
     double sample_rate = 4e6;             ///< complex samples/s
     double intermediate_frequency = 0.0;  ///< Hz
 
-    /// Throws Error(Input) below two samples a chip, above 200 MHz, or when the signal's main lobe does not fit between the
-    /// frequencies of half the sample rate.
+    /// Throws Error(Input) below two samples per chip, above 200 MHz, or if the signal's main lobe does not fit within plus and
+    /// minus half the sample rate.
     void check() const;
     [[nodiscard]] std::size_t samples_per_period() const;  ///< nearest to a millisecond
 };
 
-/// A satellite to be made. Time counts from the first sample, when `motion` holds.
+/// A satellite to be generated. Time starts at the first sample, to which `motion` refers.
 struct IfSatellite {
     int prn;
     LineOfSight motion;
@@ -33,10 +33,10 @@ struct IfSatellite {
     std::uint64_t message;  ///< seed of its random message
 };
 
-/// GPS L1 C/A in white noise, 8 bits, a noise of `noise_std` steps in I and in Q.
+/// GPS L1 C/A in white noise, 8 bits, noise of `noise_std` steps in I and in Q.
 class IfGenerator {
 public:
-    /// Throws Error(Input) for no whole number of samples a millisecond, and a noise that does not fit.
+    /// Throws Error(Input) if a millisecond is not a whole number of samples, or the noise does not fit.
     IfGenerator(const IfFormat& format, std::span<const IfSatellite> satellites, std::uint64_t seed, double noise_std = 24.0);
     /// The next code period's samples.
     void generate(std::span<IfSample> out);
@@ -54,12 +54,12 @@ private:
     long period_ = 0;
 };
 
-/// Correlates a code period of samples with the replicas of one satellite, scaled as CorrelatorModel does: noise of unit
-/// variance. Allocates at construction only.
+/// Correlates a code period of samples with the replicas of one satellite, scaled as in CorrelatorModel: noise of unit variance.
+/// Allocates at construction only.
 class SampleCorrelator {
 public:
     SampleCorrelator(const IfFormat& format, int prn, double spacing);
-    /// @param begin time of the first sample since the replica's time zero, s; @param replica at that moment;
+    /// @param begin time of the first sample since the replica's time zero, s; @param replica at that instant;
     /// @param noise_std of I and of Q in steps.
     [[nodiscard]] Correlators correlate(std::span<const IfSample> samples, double begin, const Replica& replica,
                                         double noise_std);
@@ -71,7 +71,7 @@ private:
     std::vector<float> carrier_re_, carrier_im_, early_, prompt_, late_;
 };
 
-/// Root mean square of I and Q together over sqrt(2): the noise, since the signals lie below it.
+/// Root mean square of I and Q together over sqrt(2): the noise, since the signals are below it.
 [[nodiscard]] double noise_of(std::span<const IfSample> samples);
 
 struct Acquired {
@@ -79,19 +79,19 @@ struct Acquired {
     Replica replica;         ///< at the first sample
     double statistic = 0.0;  ///< twice the largest cell over the mean of all: chi-square for noise
     double threshold = 0.0;
-    double noise = 0.0;  ///< of I and of Q, steps: what white noise needs for the mean of the cells, as the code's band sees it
+    double noise = 0.0;  ///< of I and of Q, steps: white noise that explains the mean of the cells, in the band of the code
 
     /// Hz, from the statistic of a search over `periods` milliseconds: a decibel or two low between cells.
     [[nodiscard]] double cn0(int periods) const;
 };
 
-/// Searches code and Doppler with circular correlations by FFT, one code period coherent, `periods` of them noncoherently. Where
-/// a period has a number of samples whose transform is slow, some of them are left out.
+/// Searches code and Doppler with circular correlations by FFT, one code period coherent, `periods` of them noncoherent. If the
+/// number of samples per period has a slow transform, some samples are omitted.
 class FftAcquisition {
 public:
-    /// @param doppler Hz, half width of the search; @param false_alarm probability over all the cells.
+    /// @param doppler Hz, half width of the search; @param false_alarm probability over all cells.
     FftAcquisition(const IfFormat& format, double doppler = 5000.0, int periods = 10, double false_alarm = 1e-4);
-    /// Throws Error(Input) when there are fewer samples than `periods` need.
+    /// Throws Error(Input) if there are fewer samples than `periods` require.
     [[nodiscard]] Acquired acquire(std::span<const IfSample> samples, int prn) const;
     [[nodiscard]] std::size_t samples_needed() const;
 

@@ -1,4 +1,4 @@
-// Lock detectors: how strong the signal is and whether the carrier is followed in phase.
+// Lock detectors: signal strength, and whether the carrier phase is tracked.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@ namespace schuler::receiver {
 /// E|P|^2 = 2 C/N0 T R0^2 + 2 R0. Exponential average.
 class Cn0Estimator {
 public:
-    /// @param interval s a prompt; @param time_constant s; @param peak R0 = R(0) of the front end; @param guess Hz to begin with.
+    /// @param interval s per prompt; @param time_constant s; @param peak R0 = R(0) of the front end; @param guess initial, Hz.
     Cn0Estimator(double interval, double time_constant, double peak, double guess)
         : time_constant_(time_constant), peak_(peak), cn0_(guess) {
         change_interval(interval);
@@ -21,8 +21,8 @@ public:
         mean_gain_ = std::max(gain_, mean_gain_ / (1.0 + mean_gain_));
         cn0_ += mean_gain_ * ((std::norm(prompt) - 2.0 * peak_) / (2.0 * interval_ * peak_ * peak_) - cn0_);
     }
-    /// Goes on from a value known as well as an average over the time constant, or forgets all: the mean of what comes from now
-    /// on.
+    /// Continues from a value as accurate as an average over the time constant, or restarts: the mean of the following
+    /// data.
     void restart(double cn0) {
         cn0_ = cn0;
         mean_gain_ = gain_;
@@ -41,7 +41,7 @@ private:
 };
 
 /// Narrow-band difference over narrow-band power, the low-passed (I^2 - Q^2) / (I^2 + Q^2) [VanDierendonck1996]: near cos(2 phi)
-/// for a followed carrier, near zero for noise or another frequency.
+/// for a tracked carrier, near zero for noise or another frequency.
 class PhaseLockDetector {
 public:
     PhaseLockDetector(double interval, double time_constant) : gain_(std::min(1.0, interval / time_constant)) {}
@@ -56,8 +56,8 @@ private:
     double gain_, difference_ = 0.0, power_ = 0.0;
 };
 
-/// Where the message's signs change: for each of the possible places the products of neighbouring prompts are added up, and the
-/// place of the symbols' beginning has the smallest sum. A frequency error much below the code's rate does not disturb it.
+/// Location of the sign changes of the message: for each possible location the products of successive prompts are accumulated,
+/// and the start of the symbols has the smallest sum. Insensitive to frequency errors much below the code rate.
 class SymbolSync {
 public:
     static constexpr int longest = 20;  ///< dumps a symbol
@@ -68,7 +68,7 @@ public:
         before_ = prompt;
         place_ = (place_ + 1) % length_;
     }
-    /// For the next dump to come; 0 begins a symbol.
+    /// For the next dump; 0 starts a symbol.
     [[nodiscard]] int dumps_into_symbol() const {
         const auto begin = static_cast<int>(std::min_element(kept_, kept_ + length_) - kept_);
         return (place_ - begin + length_) % length_;

@@ -13,7 +13,7 @@ double pll_jitter(double bandwidth, double cn0, double interval) {
 }
 
 PllResponse pll_response(double bandwidth, int integration, double period) {
-    // the slowest root of the standard form decays in some 5.2/bandwidth
+    // the slowest root of the standard form decays in about 5.2/bandwidth
     const int periods = static_cast<int>(std::ceil(20.0 / (bandwidth * period) / integration)) * integration;
     const double interval = integration * period;
     PllResponse out;
@@ -27,10 +27,10 @@ PllResponse pll_response(double bandwidth, int integration, double period) {
             out.noise += command * command;
         }
     }
-    // mean and mean square, over all the instants within a sum, of the command `age` periods after the clock's phase grew by a cycle
+    // mean and mean square, over all instants within a sum, of the command `age` periods after a one-cycle step of the clock's phase
     std::vector<double> mean(static_cast<std::size_t>(periods), 0.0);
     double square = 0.0;
-    for (int first = 0; first < integration; ++first) {  // period of its sum in which it grew
+    for (int first = 0; first < integration; ++first) {  // period within its sum in which the step occurred
         CarrierLoop loop(bandwidth, 0.0, interval);
         double phase = 0.0, command = 0.0, sum = 0.0;
         for (int age = 0; age < periods; ++age) {

@@ -11,8 +11,8 @@ inline constexpr double a2 = 1.414, a3 = 1.1, b3 = 2.4;
 [[nodiscard]] constexpr double third_order(double bandwidth) {
     return bandwidth * 4.0 * (a3 * b3 - 1.0) / (a3 * b3 * b3 + a3 * a3 - b3);
 }
-/// Largest product of bandwidth and update interval that a loop is allowed: beyond it the sampled loop is far from the continuous
-/// one it was computed as, and unstable from about 0.4 on.
+/// Largest permitted product of bandwidth and update interval: beyond it the sampled loop deviates strongly from its continuous
+/// design, and it is unstable from about 0.4.
 inline constexpr double largest_product = 0.35;
 }  // namespace loop
 
@@ -20,15 +20,15 @@ inline constexpr double largest_product = 0.35;
 /// errors enter in cycles, frequency errors in Hz; errors are replica minus signal.
 class CarrierLoop {
 public:
-    /// Bandwidths in Hz; zero leaves that loop out. Throws Error(Input) when both are zero or one is too wide for the interval
+    /// Bandwidths in Hz; zero disables a loop. Throws Error(Input) if both are zero or one is too wide for the interval
     /// (s).
     CarrierLoop(double pll_bandwidth, double fll_bandwidth, double interval);
 
-    /// Frequency and its rate to begin with, Hz and Hz/s.
+    /// Initial frequency and its rate, Hz and Hz/s.
     void start(double frequency, double rate = 0.0);
     /// Next frequency command, Hz.
     [[nodiscard]] double update(double phase_error, double frequency_error);
-    /// Moves the loop's memory by -`frequency`, -`rate`: an aid that is fed forward takes this part over.
+    /// Changes the loop's memory by -`frequency`, -`rate`, which are then supplied by a feed-forward aid.
     void hand_over(double frequency, double rate);
 
     [[nodiscard]] double frequency() const { return frequency_; }  ///< Hz, without the proportional part
@@ -39,7 +39,7 @@ private:
     double frequency_ = 0.0, rate_ = 0.0;
 };
 
-/// Second-order code loop. Errors in chips, commands in chips/s beyond what aids it.
+/// Second-order code loop. Errors in chips, commands in chips/s in addition to the aiding rate.
 class CodeLoop {
 public:
     /// Throws Error(Input) for a bandwidth (Hz) that is not positive or too wide for the interval (s).

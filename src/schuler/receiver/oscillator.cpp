@@ -12,7 +12,7 @@ namespace schuler::receiver {
 
 namespace {
 
-constexpr double shortest = 0.01;  ///< s, time constant of the fastest part of the flicker; a decade between neighbours
+constexpr double shortest = 0.01;  ///< s, time constant of the fastest part of the flicker; neighbours differ by a decade
 
 }  // namespace
 
@@ -35,14 +35,14 @@ OscillatorSettings ocxo() { return {2e-25, 7e-25, 6e-25, 1e-8, Eigen::Vector3d::
 Oscillator::Oscillator(const OscillatorSettings& settings, math::Random& random) : settings_(settings) {
     settings.check();
     // A Gauss-Markov process of variance s^2 and time constant T has S_y = 4 s^2 T / (1 + (2 pi f T)^2); the sum over T with n
-    // parts a natural logarithm is n s^2 / f, so a part a decade has s^2 = h_1 ln 10.
+    // parts per natural logarithm is n s^2 / f, so one part per decade has s^2 = h_1 ln 10.
     flicker_std_ = std::sqrt(settings.h_1 * std::numbers::ln10);
     for (double& part : flicker_) part = flicker_std_ * random.normal();
     walk_ = settings.frequency_std * random.normal();
 }
 
 void Oscillator::prepare(double dt) {
-    // A Gauss-Markov process and its integral over a step, jointly; a slow part is a straight line within the step.
+    // A Gauss-Markov process and its integral over a step, jointly; a slow part is linear within the step.
     double constant = shortest;
     for (Transition& t : transitions_) {
         const double a = dt / constant, k = std::exp(-a), left = -std::expm1(-a);

@@ -1,4 +1,4 @@
-// The receiver's reference oscillator: noise of its frequency and what acceleration does to it.
+// The receiver's reference oscillator: frequency noise and acceleration sensitivity.
 #pragma once
 
 #include "schuler/math/random.h"
@@ -14,34 +14,34 @@ struct OscillatorSettings {
     double h0 = 2e-21;                                        ///< s, white frequency noise
     double h_1 = 1e-22;                                       ///< flicker of frequency
     double h_2 = 2e-20;                                       ///< Hz, random walk of frequency
-    double frequency_std = 0.0;                               ///< fractional offset at the start, one sigma
+    double frequency_std = 0.0;                               ///< initial fractional offset, one sigma
     Eigen::Vector3d g_sensitivity = Eigen::Vector3d::Zero();  ///< fractional frequency per m/s^2 of specific force, b axes
 
-    /// Throws Error(Input) naming the setting.
+    /// Throws Error(Input) that names the setting.
     void check() const;
 };
 
-/// A good temperature-compensated and an oven-controlled oscillator [Brown2012:9.3]; 1 ppm and 0.01 ppm of offset, 1e-9 and 1e-10
-/// per g on each axis.
+/// A good temperature-compensated and an oven-controlled oscillator [Brown2012:9.3]; offsets of 1 ppm and 0.01 ppm, 1e-9 and
+/// 1e-10 per g on each axis.
 [[nodiscard]] OscillatorSettings tcxo();
 [[nodiscard]] OscillatorSettings ocxo();
 
-/// Clock offset (s) and drift as they grow from zero. White frequency noise walks the phase; random walk is exact over any step;
-/// flicker is a sum of first-order Gauss-Markov frequencies a decade apart in time constant, from 0.01 s to 10 000 s, which holds
-/// the Allan deviation of flicker within 5 % from 0.1 s to 1000 s.
+/// Clock offset (s) and drift starting from zero. White frequency noise is a random walk of phase; random walk of frequency is
+/// exact for any step; flicker is a sum of first-order Gauss-Markov frequencies a decade apart in time constant, from 0.01 s to
+/// 10 000 s, which reproduces the Allan deviation of flicker within 5 % from 0.1 s to 1000 s.
 class Oscillator {
 public:
     Oscillator(const OscillatorSettings& settings, math::Random& random);
 
-    /// Over `dt` s under the specific force `f_b` (m/s^2).
+    /// Advances `dt` s under the specific force `f_b` (m/s^2).
     void step(double dt, const Eigen::Vector3d& f_b, math::Random& random);
 
-    [[nodiscard]] double offset() const { return offset_; }  ///< s; times the speed of light it adds to every pseudorange
+    [[nodiscard]] double offset() const { return offset_; }  ///< s; times the speed of light it is added to every pseudorange
     [[nodiscard]] double drift() const { return drift_; }    ///< mean fractional frequency over the last step
 
 private:
     static constexpr std::size_t decades = 7;
-    /// One part of the flicker over a step: the state kept, its new noise, and what both give to the phase.
+    /// One part of the flicker over a step: retained state, new noise, and the contribution of both to the phase.
     struct Transition {
         double kept, noise, phase_from_state, phase_shared, phase_own;
     };

@@ -15,7 +15,7 @@ std::optional<RateSpan::Rate> RateSpan::add(const ChannelMeasurement& symbol, do
         constexpr double agree = 4.0;  // sigmas
         const double duration = now - begin_, ahead = symbol.carrier - carrier_;
         const double variance = (symbol.carrier_variance + carrier_variance_) / (duration * duration);
-        // a phase that slips says nothing of the rate
+        // a slipping phase gives no information about the rate
         if (std::abs(ahead / duration - out.rate) < agree * std::sqrt(variance + out.variance))
             out = {(generated - generated_ - ahead) / duration, variance, duration, symbol.carrier_variance, by_phase_};
     }

@@ -1,4 +1,4 @@
-// Rate of a commanded channel from the phase that it follows.
+// Rate of a commanded channel from its tracked phase.
 #pragma once
 
 #include "schuler/receiver/deep_channel.h"
@@ -7,9 +7,9 @@
 
 namespace schuler::receiver {
 
-/// Phases at both ends of a span tell the mean rate between them far better than the turns within its symbols, which are noise
-/// mostly. So no rate leaves within a span; where the phase is lost, what the symbols said meanwhile does. The spans of all
-/// channels should end together, as then no correction of the navigation falls into one.
+/// Phases at both ends of an interval determine the mean rate far better than the rotations within its symbols, which are mostly
+/// noise. Therefore no rate is delivered within an interval; if the phase is lost, the rates of the symbols are used. The
+/// intervals of all channels should end together, so that no correction of the navigation falls within one.
 class RateSpan {
 public:
     struct Rate {
@@ -17,20 +17,20 @@ public:
         double variance = 0.0;  ///< (m/s)^2
         double duration = 0.0;  ///< s
         double phase_variance =
-            0.0;               ///< m^2, of the phase at the span's end, and about that at its begin; 0: the symbols' own rates
-        bool goes_on = false;  ///< the phase at its begin is that of the end of the last rate
+            0.0;               ///< m^2, of the phases at the end and, about equal, at the start; 0: by the symbols' own rates
+        bool goes_on = false;  ///< the initial phase is the final one of the last rate
     };
-    /// A symbol's measurement, in order of time. `now`: when it is read, s, a symbol after its end at most; `generated`: the carrier
-    /// that the generator has made until then, m of range. `ends`: so does the span, and the next begins. The phase that was received is the
-    /// generated one less what the symbol found it ahead, whatever was commanded meanwhile.
+    /// A symbol's measurement, in time order. `now`: time of reading, s, at most a symbol after its end; `generated`: the carrier
+    /// generated until then, m of range. `ends`: the interval ends as well, and the next starts. The received phase is the
+    /// generated one minus the lead found in the symbol, irrespective of commands in between.
     std::optional<Rate> add(const ChannelMeasurement& symbol, double now, double generated, bool ends);
-    /// Nothing was measured.
+    /// No measurement was made.
     void reset() { *this = {}; }
 
 private:
     [[nodiscard]] Rate of_symbols() const { return {weighted_ / weight_, 1.0 / weight_, duration_, 0.0, false}; }
 
-    bool open_ = false, by_phase_ = false;                         ///< by_phase_: the last rate was
+    bool open_ = false, by_phase_ = false;                         ///< by_phase_: the last rate was by phase
     double begin_ = 0.0, carrier_ = 0.0, carrier_variance_ = 0.0;  ///< s, m, m^2
     double generated_ = 0.0;                                       ///< m
     double weight_ = 0.0, weighted_ = 0.0, duration_ = 0.0;        ///< of the symbols' own rates

@@ -11,11 +11,11 @@ namespace schuler::receiver {
 
 namespace {
 
-constexpr double averaged = 1.0;  ///< s, of the means at the end
+constexpr double averaged = 1.0;  ///< s, for the means at the end
 
 double within_period(double chips) { return chips - 1023.0 * std::floor(chips / 1023.0); }
 
-/// Samples of one satellite in phase without a gap, oldest first.
+/// Continuous samples of one satellite in phase, oldest first.
 SatelliteRecord::Means means_of(const std::vector<ChannelSample>& samples) {
     SatelliteRecord::Means out;
     if (samples.empty()) return out;
@@ -64,7 +64,7 @@ void SampleReceiver::process(std::span<const IfSample> samples, const Sink& sink
         next_search_ = begin + settings_.search_interval;
     }
     std::erase_if(channels_, [&](Channel& c) { return !advance(c, sink); });
-    // a code period and some samples more: the boundary of a channel may yet move back
+    // a code period and some additional samples: the boundary of a channel may still move back
     const std::size_t keep = std::min(window_.size(), format_.samples_per_period() + 64);
     base_ += window_.size() - keep;
     window_.erase(window_.begin(), window_.end() - static_cast<std::ptrdiff_t>(keep));
@@ -80,7 +80,7 @@ void SampleReceiver::search(std::span<const IfSample> samples, std::uint64_t fir
         if (!acquired.found) continue;
         if (!r.found) r.found_at = begin;
         r.found = r.tracked = true;
-        // to the sample at which the code begins
+        // to the first sample of the code
         const auto ahead =
             static_cast<std::uint64_t>(std::lround(-acquired.replica.code_phase / signal.chip_rate * format_.sample_rate));
         Replica replica = acquired.replica;
@@ -98,7 +98,7 @@ bool SampleReceiver::advance(Channel& channel, const Sink& sink) {
     const double dt = 1.0 / format_.sample_rate, end = static_cast<double>(n) * dt;
     while (channel.next + n + 1 <= base_ + window_.size()) {
         double begin = static_cast<double>(channel.next) * dt;
-        // Dumps are a whole number of samples long, code periods are not: where they part by a sample the next dump moves.
+        // Dumps are a whole number of samples long, code periods are not: when they differ by a sample the next dump is moved.
         const double into = std::remainder(signal.chip_rate * begin + channel.tracker.replica().code_phase, 1023.0);
         const double late = into / signal.chip_rate * format_.sample_rate;
         if (std::abs(late) > 0.75) {
@@ -131,7 +131,7 @@ void SampleReceiver::dump(Channel& channel, const Correlators& c, const Sink& si
     const double time = static_cast<double>(channel.next) / format_.sample_rate;
     const bool locked = r.locked = tracker.phase_locked();
     if (locked && !(r.locked_at <= time)) r.locked_at = time;
-    const int into = tracker.dumps_into_symbol();  // of the next dump
+    const int into = tracker.dumps_into_symbol();  // for the next dump
     if (locked && channel.locked_dumps > 0 && (c.prompt.real() < 0.0) != (channel.before.real() < 0.0)) {
         ++r.dump_changes;
         if (into == 1) ++r.edge_changes;

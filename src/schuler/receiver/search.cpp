@@ -39,7 +39,7 @@ Search::Search(const SignalStructure& signal, const CorrelatorModel& model, cons
         throw input_error("an empty search window", {.key = "window"}, "give half widths above zero");
     const double coherent = settings.coherent * signal.code_period();
     dwell_ = coherent * settings.noncoherent;
-    frequency_step_ = 1.0 / (2.0 * coherent);  // at the edge of a cell 0.9 dB are lost
+    frequency_step_ = 1.0 / (2.0 * coherent);  // the loss at the edge of a cell is 0.9 dB
     bins_ = 2 * static_cast<int>(std::ceil(std::max(0.0, window.frequency / frequency_step_ - 0.5))) + 1;
     cells_ = 2 * static_cast<int>(std::ceil(std::max(0.0, window.code / settings.code_step - 0.5))) + 1;
     batches_ = (cells_ + settings.parallel - 1) / settings.parallel;
@@ -68,7 +68,7 @@ bool Search::step(const LineOfSight& truth, double cn0, math::Random& random, co
     centre_ = centre_.after(dwell_);
     elapsed_ += dwell_;
     if (candidate_) {
-        // A strong signal shows in the bins beside its own as well: the largest of five is its own, and confirms it or not.
+        // A strong signal is also visible in neighbouring bins: the largest of five is its own, and confirms it or not.
         std::optional<Replica> best;
         double largest = threshold_;
         for (int beside = -2; beside <= 2; ++beside) {
@@ -94,7 +94,7 @@ bool Search::step(const LineOfSight& truth, double cn0, math::Random& random, co
     Replica cell = begin;
     cell.carrier_frequency += bin * frequency_step_;
     cell.code_rate = cell.carrier_frequency * signal_.chips_per_cycle();
-    // the code cell nearest to the signal, if it belongs to this batch
+    // the code cell nearest to the signal, if it is in this batch
     const ReplicaError middle = replica_error(signal_, cell, truth, dwell_);
     const long nearest = std::lround(-nearest_in_period(middle.code, signal_.code_length) / settings_.code_step);
     const int place = place_of(nearest);

@@ -1,4 +1,4 @@
-// Search for a signal over code and frequency: how long it takes and whether it finds.
+// Search for a signal over code and frequency: duration and success.
 #pragma once
 
 #include "schuler/receiver/correlator.h"
@@ -7,33 +7,33 @@
 
 namespace schuler::receiver {
 
-/// Where a signal may be, about a replica that says where it is thought to be.
+/// Search range of a signal about a replica at its expected position.
 struct SearchWindow {
-    double code;       ///< chips, half width; half a period at most
+    double code;       ///< chips, half width; at most half a period
     double frequency;  ///< Hz, half width
 };
 
-/// Nothing known: the whole code, and Doppler of satellite and receiver up to `doppler` Hz with the oscillator's fractional
+/// No prior knowledge: the whole code, and Doppler of satellite and receiver up to `doppler` Hz plus the oscillator's fractional
 /// offset.
 [[nodiscard]] SearchWindow cold_window(const SignalStructure& signal, double doppler, double oscillator_offset);
-/// Prediction with one sigma of pseudorange (m) and its rate (m/s), clock included: three sigma, half a chip and a hertz at
-/// least. Almanac and clock alone are a warm or hot start, an inertial system makes both small [PaperA:1.1].
+/// Prediction with one sigma of pseudorange (m) and its rate (m/s), clock included: three sigma, at least half a chip and one
+/// hertz. Almanac and clock alone are a warm or hot start; an inertial system makes both small [PaperA:1.1].
 [[nodiscard]] SearchWindow predicted_window(const SignalStructure& signal, double std_range, double std_rate);
 
 struct SearchSettings {
-    int coherent = 1;           ///< code periods a coherent sum, 20 at most
-    int noncoherent = 10;       ///< such sums a dwell
+    int coherent = 1;           ///< code periods per coherent sum, at most 20
+    int noncoherent = 10;       ///< number of such sums per dwell
     double code_step = 0.5;     ///< chips between cells
-    int parallel = 1023;        ///< code cells looked at in one dwell
-    double false_alarm = 1e-7;  ///< probability in one cell and dwell
-    int confirmations = 3;      ///< further dwells that a false alarm costs
+    int parallel = 1023;        ///< code cells evaluated in one dwell
+    double false_alarm = 1e-7;  ///< probability per cell and dwell
+    int confirmations = 3;      ///< additional dwells caused by a false alarm
 
-    /// Throws Error(Input) naming the setting.
+    /// Throws Error(Input) that names the setting.
     void check() const;
 };
 
-/// Cells in frequency from the middle outwards, in each the code from the middle outwards, again from the start where nothing was
-/// found. The signal's cell is drawn from its correlators, of all the other cells only whether one of them gave a false alarm.
+/// Frequency cells from the centre outwards, and in each the code from the centre outwards; restarted if nothing was found. The
+/// signal's cell is drawn from its correlators; for all other cells only the occurrence of a false alarm is drawn.
 class Search {
 public:
     Search(const SignalStructure& signal, const CorrelatorModel& model, const SearchSettings& settings,
@@ -41,9 +41,9 @@ public:
 
     [[nodiscard]] double dwell() const { return dwell_; }  ///< s
     [[nodiscard]] int dwells_per_sweep() const { return bins_ * batches_; }
-    /// One dwell of a signal that moves as `truth` says from now; `cn0` in Hz. A cell above the threshold becomes the
-    /// candidate(), the next dwell tries it and its neighbours in frequency: true when it was confirmed, replica() is then the
-    /// largest at the end of the dwell. An `aid` moves the window by what its rate changes.
+    /// One dwell of a signal moving as `truth` from now on; `cn0` in Hz. A cell above the threshold becomes the candidate(),
+    /// which the next dwell tests together with its neighbours in frequency: true if confirmed; replica() is then the largest at
+    /// the end of the dwell. An `aid` moves the window by the change of its rate.
     bool step(const LineOfSight& truth, double cn0, math::Random& random, const LineOfSight* aid = nullptr);
     [[nodiscard]] const Replica& replica() const { return centre_; }
     [[nodiscard]] double elapsed() const { return elapsed_; }                ///< s

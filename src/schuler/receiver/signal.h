@@ -1,4 +1,4 @@
-// What a tracking loop has to know of a signal: carrier, code and how long its sign stays.
+// Signal parameters required by a tracking loop: carrier, code and symbol duration.
 #pragma once
 
 #include "schuler/gnss/satellite.h"
@@ -7,19 +7,19 @@
 
 namespace schuler::receiver {
 
-inline constexpr double turn = 2.0 * std::numbers::pi;  ///< rad, a cycle of the carrier
+inline constexpr double turn = 2.0 * std::numbers::pi;  ///< rad, one cycle of the carrier
 
-/// A code-division or frequency-division signal with a binary code, one period a millisecond.
+/// A code-division or frequency-division signal with a binary code of one period per millisecond.
 struct SignalStructure {
     double carrier_frequency;  ///< Hz
     double chip_rate;          ///< chips/s
     int code_length;           ///< chips
-    double symbol_duration;    ///< s over which the navigation message keeps its sign
+    double symbol_duration;    ///< s over which the navigation message has constant sign
 
     [[nodiscard]] double wavelength() const { return gnss::speed_of_light / carrier_frequency; }  ///< m
     [[nodiscard]] double chip_length() const { return gnss::speed_of_light / chip_rate; }         ///< m
     [[nodiscard]] double code_period() const { return code_length / chip_rate; }                  ///< s
-    /// Chips/s of code Doppler for one hertz of carrier Doppler.
+    /// Code Doppler in chips/s per hertz of carrier Doppler.
     [[nodiscard]] double chips_per_cycle() const { return chip_rate / carrier_frequency; }
 };
 
@@ -34,11 +34,11 @@ struct SignalStructure {
 [[nodiscard]] double cn0_from_db(double db_hz);
 [[nodiscard]] double db_from_cn0(double cn0);
 
-/// Motion of a signal seen by the receiver, clocks included, as pseudorange and its derivatives: m, m/s, m/s^2, m/s^3.
+/// Signal motion relative to the receiver, clocks included, as pseudorange and its derivatives: m, m/s, m/s^2, m/s^3.
 struct LineOfSight {
     double range = 0.0, rate = 0.0, acceleration = 0.0, jerk = 0.0;
 
-    /// The same motion `dt` s later, the jerk constant.
+    /// The same motion after `dt` s with constant jerk.
     [[nodiscard]] LineOfSight after(double dt) const;
 };
 

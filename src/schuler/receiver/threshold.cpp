@@ -10,7 +10,7 @@ namespace schuler::receiver {
 
 namespace {
 
-constexpr double settle = 2.0;  ///< s at 45 dB-Hz before
+constexpr double settle = 2.0;  ///< s at 45 dB-Hz beforehand
 
 struct Lost {
     bool carrier, code;

@@ -1,4 +1,4 @@
-// Where a channel loses its signal: a study over seeds, slow by its nature.
+// Loss-of-lock threshold of a channel: a study over seeds, slow by nature.
 #pragma once
 
 #include "schuler/receiver/tracker.h"
@@ -11,19 +11,19 @@ struct ThresholdStudy {
     SignalStructure signal = gps_l1_ca();
     TrackingSettings tracking;
     double bandwidth = std::numeric_limits<double>::infinity();  ///< Hz, front end
-    double duration = 10.0;                                      ///< s at the C/N0 in question
+    double duration = 10.0;                                      ///< s at the C/N0 under test
     int seeds = 100;
     double resolution = 0.5;      ///< dB
     double jerk_amplitude = 0.0;  ///< m/s^3 along the line of sight, a sine of 1 Hz
-    bool aided = false;           ///< by the true rate and
-    double aid_noise = 0.0;       ///< m/s, constant error of each run, one sigma
+    bool aided = false;           ///< by the true rate with
+    double aid_noise = 0.0;       ///< m/s, constant error in each run, one sigma
 
-    /// Throws Error(Input) naming the setting.
+    /// Throws Error(Input) that names the setting.
     void check() const;
 };
 
-/// Shares of the runs that lost the carrier (its phase left the signal's by more than half a cycle) and the code (more than half
-/// a chip) by the end. Runs begin locked at 45 dB-Hz.
+/// Fraction of the runs that lost the carrier (its phase error exceeded half a cycle) and the code (more than half a chip) by the
+/// end. Runs start locked at 45 dB-Hz.
 struct LossShares {
     double carrier = 0.0, code = 0.0;
 };

@@ -12,14 +12,14 @@ namespace schuler::receiver {
 namespace {
 
 constexpr double cn0_time = 0.5;       ///< s, time constant of the C/N0 estimate
-constexpr double cn0_guess = 3000.0;   ///< Hz, until there is an estimate
+constexpr double cn0_guess = 3000.0;   ///< Hz, before the first estimate
 constexpr double lock_time = 0.25;     ///< s, of the phase lock detector
-constexpr double settled_aided = 2.0;  ///< s, of the frequency kept for after a loss
-constexpr double settled_alone = 0.2;  ///< s, likewise: without an aid it moves
-constexpr double assist = 3.0;         ///< Hz, frequency loop beside the phase loop while it locks
+constexpr double settled_aided = 2.0;  ///< s, averaging of the frequency stored for reacquisition
+constexpr double settled_alone = 0.2;  ///< s, likewise: without aiding it varies
+constexpr double assist = 3.0;         ///< Hz, frequency loop assisting the phase loop during lock-in
 constexpr double retry_time = 2.0;     ///< s between attempts at a lost carrier
-constexpr int most_attempts = 3;       ///< at the carrier without an aid
-constexpr int most_escapes = 4;        ///< from false locks in one attempt
+constexpr int most_attempts = 3;       ///< to recover the carrier without aiding
+constexpr int most_escapes = 4;        ///< from false locks per attempt
 
 int dumps_per_symbol(const SignalStructure& signal) {
     return static_cast<int>(std::lround(signal.symbol_duration / signal.code_period()));
@@ -97,7 +97,7 @@ void Tracker::start(const Replica& replica, std::optional<int> dumps_into_symbol
     dump_ = dumps_into_symbol ? ((*dumps_into_symbol % symbol_) + symbol_) % symbol_ : 0;
     attempts_ = escapes_ = 0;
     aided_ = false;
-    code_rate_ = 0.0;  // a search tells the rate of the code by that of the carrier alone
+    code_rate_ = 0.0;  // a search gives the code rate only via the carrier
     loop_frequency_ = settled_ = replica.carrier_frequency;
     aligned_.start(loop_frequency_);
     sync_ = SymbolSync(symbol_);
@@ -117,13 +117,13 @@ const CarrierLoop& Tracker::carrier() const {
 }
 
 void Tracker::enter(Mode mode) {
-    // After a loss of phase the loop's own memory is what went wrong: begin from where it was quiet.
+    // After a loss of phase the loop's own memory is wrong: restart from the last steady value.
     const bool lost_phase = mode_ == Mode::CodeOnly || mode == Mode::CodeOnly ||
                             (mode == Mode::Aligned && (mode_ == Mode::Assisted || mode_ == Mode::Phase));
     const double frequency = lost_phase ? settled_ : carrier().frequency(), rate = lost_phase ? 0.0 : carrier().rate();
     if (lost_phase) loop_frequency_ = settled_;
     for (CarrierLoop* loop : loops()) loop->start(frequency, rate);
-    // What an aided code drifts against its carrier is next to nothing; what a wide loop's memory holds is noise.
+    // An aided code hardly drifts relative to its carrier; the memory of a wide loop is mostly noise.
     for (CodeLoop* loop : {&code_blind_, &code_aligned_, &code_phase_, &code_only_}) loop->start(0.0);
     code_rate_ = 0.0;
     mode_ = mode;
@@ -143,7 +143,7 @@ void Tracker::fail() {
 void Tracker::step(const Correlators& dump, const LineOfSight* aid) {
     replica_ = replica_.after(period_);
     if (aided_ != (aid != nullptr)) {
-        // The aid takes over, or gives back, its part of what the loops hold.
+        // Transfers a part of the loops' state to the aid, or back.
         const LineOfSight& motion = aid != nullptr ? *aid : aid_;
         const double sign = aid != nullptr ? -1.0 : 1.0;
         const double frequency = sign * motion.rate / signal_.wavelength(),
@@ -185,12 +185,12 @@ void Tracker::update() {
     const Correlators c{sums_.all.early * scale, sums_.all.prompt * scale, sums_.all.late * scale};
     const std::complex<double> second = sums_.all.prompt - sums_.first;
     time_in_mode_ += interval;
-    const double power = 2.0 * std::max(cn0_.cn0(), 10.0) * interval;  // 10 dB-Hz: a weak signal must not blow the gain up
+    const double power = 2.0 * std::max(cn0_.cn0(), 10.0) * interval;  // 10 dB-Hz: bounds the gain for weak signals
     const double across = before_ == 0.0 ? 0.0 : frequency_across_bits(before_, c.prompt, interval);
     const double phase = costas_phase(c.prompt) / (2.0 * std::numbers::pi);
     switch (mode_) {
         case Mode::Blind:
-            // the wide reach first, though a change of sign within the pair spoils it; then the narrow one that is blind to signs
+            // first the wide range, although a sign change within the pair corrupts it; then the narrow one, insensitive to signs
             loop_frequency_ = time_in_mode_ - interval < settings_.pull_in_time
                                   ? blind_.update(0.0, frequency_between(sums_.first, second, interval / 2.0))
                                   : listening_.update(0.0, frequency_across_bits(sums_.first, second, interval / 2.0));
@@ -222,8 +222,8 @@ void Tracker::update() {
 }
 
 bool Tracker::leave_false_lock() {
-    // A frequency half a cycle an integration off looks like lock to both discriminators; single code periods tell it from the
-    // true one.
+    // A frequency error of half a cycle per integration appears as lock to both discriminators; single code periods distinguish
+    // it from the true one.
     const double step = 0.5 / (settings_.integration * period_);
     const double off = -std::arg(slip_) / (2.0 * std::numbers::pi * period_);
     slip_ = last_ = 0.0;
@@ -238,7 +238,7 @@ void Tracker::transitions() {
     const auto longer = [&](double& clock, bool so) { return (clock = so ? clock + interval : 0.0); };
     switch (mode_) {
         case Mode::Blind:
-            // listening for symbols begins anew when the frequency has been pulled in
+            // symbol detection restarts after frequency pull-in
             if (time_in_mode_ >= settings_.pull_in_time && time_in_mode_ - interval < settings_.pull_in_time) {
                 sync_ = SymbolSync(symbol_);
                 listening_.start(blind_.frequency(), blind_.rate());
@@ -254,7 +254,7 @@ void Tracker::transitions() {
         case Mode::Assisted:
             if (time_in_mode_ < settings_.pull_in_time) break;
             if (leave_false_lock()) {
-                // noise alone looks so again and again
+                // noise alone causes this repeatedly
                 if (++escapes_ > most_escapes) fail();
                 else enter(Mode::Assisted);
             } else if (lock_.value() >= settings_.phase_lock) {
@@ -298,7 +298,7 @@ LineOfSight Tracker::motion() const {
 }
 
 void Tracker::command() {
-    // Of an aid that moves within the next period the middle counts.
+    // For an aid that changes within the next period its middle is used.
     const double aid = aided_ ? -(aid_.rate + aid_.acceleration * period_ / 2.0) / signal_.wavelength() : 0.0;
     replica_.carrier_frequency = aid + loop_frequency_;
     replica_.code_rate = replica_.carrier_frequency * signal_.chips_per_cycle() + code_rate_;

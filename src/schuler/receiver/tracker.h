@@ -1,4 +1,4 @@
-// Classical tracking of one signal: code and carrier loops, their lock detectors, and help from an inertial system.
+// Classical tracking of one signal: code and carrier loops, their lock detectors, and inertial aiding.
 #pragma once
 
 #include "schuler/receiver/discriminators.h"
@@ -12,23 +12,23 @@ namespace schuler::receiver {
 
 struct TrackingSettings {
     double pll_bandwidth = 15.0;  ///< Hz
-    double fll_bandwidth = 0.0;   ///< Hz, frequency loop that goes on assisting the phase loop
+    double fll_bandwidth = 0.0;   ///< Hz, frequency loop that permanently assists the phase loop
     double dll_bandwidth = 0.5;   ///< Hz, carrier-aided
-    int integration = 10;         ///< code periods a coherent sum, a divisor of the symbol
+    int integration = 10;         ///< code periods per coherent sum, a divisor of the symbol
     double spacing = 0.5;         ///< chips, early to late
     CodeDiscriminator discriminator = CodeDiscriminator::EarlyLatePower;
     double pull_in_fll = 8.0;     ///< Hz, on single code periods, after a start without known symbols
     double pull_in_dll = 2.0;     ///< Hz
-    double pull_in_time = 0.5;    ///< s, of each step of pulling in
-    double sync_time = 1.0;       ///< s of listening for the message's symbols
-    double code_only_dll = 0.1;   ///< Hz, code loop on inertial aid while the carrier is lost
+    double pull_in_time = 0.5;    ///< s, of each pull-in step
+    double sync_time = 1.0;       ///< s of observation to find the message's symbols
+    double code_only_dll = 0.1;   ///< Hz, code loop with inertial aiding while the carrier is lost
     double phase_lock = 0.4;      ///< of the phase lock detector
-    double phase_patience = 0.5;  ///< s below it before the phase counts as lost
-    double retry_db = 24.0;       ///< dB-Hz from which a lost carrier is tried again
-    double code_lost_db = 12.0;   ///< dB-Hz below which the code counts as lost
-    double code_patience = 5.0;   ///< s below it
+    double phase_patience = 0.5;  ///< s below it after which the phase is lost
+    double retry_db = 24.0;       ///< dB-Hz above which a lost carrier is tried again
+    double code_lost_db = 12.0;   ///< dB-Hz below which the code is lost
+    double code_patience = 5.0;   ///< duration below it, s
 
-    /// Throws Error(Input) naming the setting.
+    /// Throws Error(Input) that names the setting.
     void check(const SignalStructure& signal) const;
 };
 
@@ -36,31 +36,31 @@ enum class TrackState {
     Idle,
     PullIn,    ///< frequency and code loops
     Phase,     ///< phase loop locked or locking
-    CodeOnly,  ///< carrier lost, code loop goes on with the inertial rate
-    Lost,      ///< nothing followed: search
+    CodeOnly,  ///< carrier lost, code loop continues with the inertial rate
+    Lost,      ///< nothing tracked: search
 };
 
-/// One channel. The owner forms correlators of each code period with replica() and gives them to step(), which returns nothing
+/// One channel. The owner forms correlators of each code period with replica() and passes them to step(), which returns nothing
 /// and leaves the replica for the next period. Allocates nothing after construction.
 ///
-/// With an aid, the inertial pseudorange rate is fed forward to the carrier at every code period and the loops, as narrow as
-/// their settings say, follow only what is left of it: clock drift and the errors of the navigation. The code loop is aided by
-/// the carrier while that is followed and by the inertial rate when it is lost [PaperA:1.1].
+/// With an aid, the inertial pseudorange rate is fed forward to the carrier at every code period and the loops, as narrow as set,
+/// track only the remainder: clock drift and navigation errors. The code loop is aided by the carrier while it is tracked and by
+/// the inertial rate when it is lost [PaperA:1.1].
 class Tracker {
 public:
     Tracker(const SignalStructure& signal, const CorrelationPeak& peak, const TrackingSettings& settings);
 
-    /// From a search. `dumps_into_symbol`: known when time is known to much better than a code period, as after a short outage;
-    /// then the carrier is pulled in over half symbols, which needs 10 dB less.
+    /// Start after a search. `dumps_into_symbol`: given if time is known much better than a code period, as after a short outage;
+    /// the carrier is then pulled in over half symbols, which requires 10 dB less.
     void start(const Replica& replica, std::optional<int> dumps_into_symbol = {});
-    /// Ends the code period just correlated; `aid` is the inertial pseudorange motion at this moment, null without one.
+    /// Ends the code period just correlated; `aid` is the inertial pseudorange motion at this instant, null if there is none.
     void step(const Correlators& dump, const LineOfSight* aid = nullptr);
-    /// Lets `dt` s pass without a dump, or takes them back: dumps of samples begin where the code does, not every millisecond.
+    /// Advances by `dt` s without a dump, possibly negative: dumps of samples start with the code, not at every millisecond.
     void pass(double dt) { replica_ = replica_.after(dt); }
 
     [[nodiscard]] const Replica& replica() const { return replica_; }
-    /// Pseudorange, m, its rate and acceleration as they are followed, at this moment. A frequency that is commanded is right in the
-    /// middle of the time for which it stays: by the aid a code period, by the loop an update. The replica's own is that much early.
+    /// Tracked pseudorange, m, its rate and acceleration at this instant. A commanded frequency is correct at the middle of its
+    /// interval: a code period for the aid, an update for the loop. The frequency of the replica itself is earlier by that time.
     [[nodiscard]] LineOfSight motion() const;
     [[nodiscard]] TrackState state() const;
     [[nodiscard]] bool phase_locked() const { return mode_ == Mode::Phase && lock_.value() >= settings_.phase_lock; }
@@ -90,7 +90,7 @@ private:
     SignalStructure signal_;
     TrackingSettings settings_;
     double peak_, period_;
-    int symbol_;  ///< code periods a symbol
+    int symbol_;  ///< code periods per symbol
     CodeError code_error_;
     CarrierLoop blind_, listening_, aligned_, assisted_, phase_;
     CodeLoop code_blind_, code_aligned_, code_phase_, code_only_;
@@ -102,11 +102,11 @@ private:
     Mode mode_ = Mode::Idle;
     Sums sums_;
     std::complex<double> before_ = 0.0;             ///< prompt of the last update, for the assisting frequency loop
-    std::complex<double> slip_ = 0.0, last_ = 0.0;  ///< turn of the prompts of single code periods while the phase locks
+    std::complex<double> slip_ = 0.0, last_ = 0.0;  ///< rotation of the prompts of single code periods while the phase is locking
     int dump_ = 0;
     int attempts_ = 0, escapes_ = 0;
     double time_in_mode_ = 0.0, unlocked_ = 0.0, weak_ = 0.0;
-    double loop_frequency_ = 0.0, code_rate_ = 0.0;  ///< commands beyond the aids, Hz and chips/s
+    double loop_frequency_ = 0.0, code_rate_ = 0.0;  ///< commands in addition to the aids, Hz and chips/s
     double settled_ = 0.0;                           ///< Hz, loop frequency while locked, slowly averaged
     bool aided_ = false;
     LineOfSight aid_{};

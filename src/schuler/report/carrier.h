@@ -1,4 +1,4 @@
-// What is written of carrier-phase positions.
+// Output of carrier-phase positions.
 #pragma once
 
 #include "schuler/core/nav_state.h"
@@ -12,11 +12,11 @@ namespace schuler::report {
 /// carrier.csv: quality, satellites, integers and baseline of every epoch.
 [[nodiscard]] std::string carrier_csv(const dataset::CarrierPhase& solution);
 
-/// As RTKLIB numbers them: 1 fixed, 2 float, 5 single.
+/// RTKLIB numbers: 1 fixed, 2 float, 5 single.
 [[nodiscard]] int quality_number(ppk::Quality quality);
 
-/// solution.csv of the fixes themselves, with columns `q` (1 fixed, 2 float, 5 single) and `satellites` at the end; `latency`: by which rows
-/// are earlier than their fixes, s.
+/// solution.csv of the fixes themselves, with columns `q` (1 fixed, 2 float, 5 single) and `satellites` at the end; `latency`:
+/// time by which rows precede their fixes, s.
 [[nodiscard]] std::string solution_csv_with_quality(std::span<const SolutionRow> rows, const dataset::CarrierPhase& solution,
                                                     double latency);
 

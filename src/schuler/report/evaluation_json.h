@@ -7,11 +7,11 @@
 
 namespace schuler::report {
 
-/// The errors and consistency of one trajectory against another, with the fields of summary.json.
+/// The errors and consistency of one trajectory relative to another, with the fields of summary.json.
 [[nodiscard]] std::string evaluation_json(const solution::Evaluation& evaluation, const std::string& solution,
                                           const std::string& reference);
 
-/// Likewise for people.
+/// The same as readable text.
 [[nodiscard]] std::string evaluation_tables(const solution::Evaluation& evaluation);
 
 }  // namespace schuler::report

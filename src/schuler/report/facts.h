@@ -1,4 +1,4 @@
-// How each setting of a run is known, for people.
+// Origin of each setting of a run, as readable text.
 #pragma once
 
 #include "schuler/core/fact.h"
@@ -8,10 +8,10 @@
 
 namespace schuler::report {
 
-/// "0.12 +- 0.02 s", "\"frd\"": the value of a fact for people.
+/// "0.12 +- 0.02 s", "\"frd\"": the value of a fact for display.
 [[nodiscard]] std::string fact_text(const Fact& fact);
 
-/// The facts that are given, stated or found and are news, a line each; `notes` adds the evidence.
+/// The relevant facts that are given, stated or found, one line each; `notes` adds the evidence.
 [[nodiscard]] std::string facts_table(const std::vector<Fact>& facts, bool notes);
 
 }  // namespace schuler::report

@@ -1,4 +1,4 @@
-// Numbers that somebody has published for a scenario, to stand beside those of a run.
+// Published results for a scenario, for comparison with those of a run.
 #pragma once
 
 #include "schuler/settings/scenario/published.h"
@@ -9,10 +9,10 @@
 
 namespace schuler::report {
 
-/// Of the rows from `settled` on.
+/// For the rows from `settled` on.
 [[nodiscard]] settings::BlockRms rms_of(const std::vector<solution::StateErrors>& states, Time settled);
 
-/// The table for people; empty where nothing is published. `heading`: what `ours` is.
+/// The table as readable text; empty if nothing is published. `heading`: the meaning of `ours`.
 [[nodiscard]] std::string published_table(const settings::Published& published, const settings::BlockRms& ours,
                                           const std::string& heading);
 

@@ -1,4 +1,4 @@
-// Files that only coupling by ranges has.
+// Output files specific to couplings by ranges.
 #include "schuler/core/units.h"
 #include "schuler/solution/bundle.h"
 

@@ -122,7 +122,7 @@ void append_sections(std::string& out, const ReportInput& input) {
     out += "</section>\n";
     if (input.settings.empty()) return;
     open("Settings");
-    // Focusable, so that what scrolls can be scrolled with keys.
+    // Focusable, to permit scrolling with keys.
     fmt::format_to(Out(out), "<pre tabindex=\"0\">{}</pre></section>\n", xml_text(input.settings));
 }
 

@@ -18,9 +18,9 @@ struct ByType : Ts... {
     using Ts::operator()...;
 };
 template <class... Ts>
-ByType(Ts...) -> ByType<Ts...>;  // Clang 16 does not deduce it
+ByType(Ts...) -> ByType<Ts...>;  // not deduced by Clang 16
 
-/// As fmt has it, and with a % at the end in percent.
+/// Formatted by fmt, with a % at the end in percent.
 std::string formatted(double x, std::string_view format) {
     const bool percent = format.ends_with('%');
     if (percent) format.remove_suffix(1);
@@ -52,7 +52,7 @@ const Cell& cell_of(const std::vector<Cell>& row, std::size_t column) {
     return column < row.size() ? row[column] : none;
 }
 
-/// Characters of UTF-8.
+/// Number of UTF-8 characters.
 std::size_t width_of(std::string_view text) {
     return static_cast<std::size_t>(
         std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
@@ -96,7 +96,7 @@ std::string table_text(const ResultTable& table) {
         for (std::size_t r = 0; r < lines.size(); ++r) {
             const std::string& text = r == 0 ? block.columns[i] : block.rows[r - 1][i];
             const std::string pad(width - width_of(text), ' ');
-            const bool heads = i == 0 && r == 0 && !right;  // stands out, rows are indented
+            const bool heads = i == 0 && r == 0 && !right;  // a heading row; the others are indented
             lines[r] += (heads ? "" : "  ") + (right ? pad + text : text + pad) + (heads ? "  " : "");
         }
     }

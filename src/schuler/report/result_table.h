@@ -1,4 +1,4 @@
-// A table of results, declared once and printed as text, CSV, JSON (report/inner/json.h) and HTML.
+// A table of results, defined once and printed as text, CSV, JSON (report/inner/json.h) and HTML.
 #pragma once
 
 #include "schuler/report/report.h"
@@ -15,8 +15,8 @@
 
 namespace schuler::report {
 
-/// A value of a table: a number, a whole number, yes or no, a text, or nothing where there is none. A number that is not finite is a
-/// missing one.
+/// A value of a table: a number, an integer, yes or no, a text, or empty. A number that is not finite is
+/// missing.
 class Cell {
 public:
     using Value = std::variant<std::monostate, double, std::int64_t, bool, std::string>;
@@ -36,32 +36,32 @@ private:
     Value value_;
 };
 
-/// A quantity of every row. One without a heading is for files alone, one without a key for people alone.
+/// A column. Without a heading it is for files only, without a key for display only.
 struct TableColumn {
     std::string key;                  ///< of CSV and JSON; in JSON "a/b" is b of an object a
-    std::string heading;              ///< for people, in words
+    std::string heading;              ///< displayed heading
     std::string unit = {};            ///< of the heading: "m/s"
-    const char* format = "";          ///< of its numbers for people, as fmt has it: ".1f", with % as percent; "": four digits
-    const char* file_format = ".9g";  ///< likewise in CSV
+    const char* format = "";          ///< displayed number format of fmt: ".1f", with % as percent; "": four digits
+    const char* file_format = ".9g";  ///< format in CSV
 };
 
 struct ResultTable {
     std::string title;  ///< above the table; may be empty
     std::vector<TableColumn> columns{};
-    std::vector<std::vector<Cell>> rows{};  ///< one cell a column; further ones are left out, missing ones are empty
+    std::vector<std::vector<Cell>> rows{};  ///< one cell per column; additional ones are ignored, missing ones are empty
 };
 
-/// A table for people alone.
+/// A table for display only.
 [[nodiscard]] ResultTable table_for_people(std::string title, std::initializer_list<std::string_view> headings);
 
-/// A column with how it is taken from an item.
+/// A column with the function that extracts it from an item.
 template <class Item>
 struct ColumnOf {
     TableColumn column;
     Cell (*of)(const Item&);
 };
 
-/// A row an item.
+/// One row per item.
 template <class Item>
 ResultTable table_of(std::string title, std::span<const ColumnOf<Item>> columns, const std::vector<Item>& items) {
     ResultTable out{std::move(title)};
@@ -73,12 +73,12 @@ ResultTable table_of(std::string title, std::span<const ColumnOf<Item>> columns,
     return out;
 }
 
-/// A number for people, in four digits; "-" where not finite.
+/// A displayed number, with four digits; "-" if not finite.
 [[nodiscard]] std::string table_cell(double x);
 
-/// For a terminal: each column as wide as it needs, numbers to the right.
+/// For a terminal: columns as wide as required, numbers right-aligned.
 [[nodiscard]] std::string table_text(const ResultTable& table);
-/// A header of the keys, empty fields where there is nothing.
+/// A header of the keys, empty fields for missing values.
 [[nodiscard]] std::string table_csv(const ResultTable& table);
 [[nodiscard]] TableBlock table_block(const ResultTable& table);
 

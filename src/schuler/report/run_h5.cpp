@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// One table of a group: rows of triples, or wider ones, gathered from a range.
+/// One table of a group: rows of triples, or wider ones, collected from a range.
 template <class Rows, class Fill>
 void add_table(io::TableWriter& file, const std::string& path, const Rows& rows, std::size_t columns, const std::string& names,
                const std::string& units, Fill fill) {
@@ -66,7 +66,7 @@ void add_solution(io::TableWriter& file, const std::string& group, const std::ve
               [](const SolutionRow& r, std::vector<double>& out) { push(out, r.std_rpy, units::deg); });
 }
 
-/// The solution at the point of the user's choice, and at events.
+/// The solution at the user's output point, and at events.
 void add_chosen(io::TableWriter& file, const solution::ResultBundle& b) {
     const Eigen::Vector3d& arm = b.data.config.filter.output_lever_arm_b;
     const std::string lever_arm = fmt::format("{},{},{}", arm.x(), arm.y(), arm.z());
@@ -116,7 +116,7 @@ void add_sensor_errors(io::TableWriter& file, const std::string& group, const st
     add("accel_scale_factor", "ppm", units::ppm, &Row::accel_scale, &Row::std_accel_scale);
 }
 
-/// Estimates and sigmas of every block of states behind the navigation's own, in SI units.
+/// Estimates and sigmas of every block of states after the navigation states, in SI units.
 void add_states(io::TableWriter& file, const std::string& group, const std::vector<filter::LayoutBlock>& states,
                 const std::vector<filter::ParameterRow>& rows) {
     constexpr int navigation = 9;
@@ -137,7 +137,7 @@ void add_states(io::TableWriter& file, const std::string& group, const std::vect
     }
 }
 
-/// The whole covariance, epochs x n x n; the attribute `states` names its rows and columns.
+/// The full covariance, epochs x n x n; the attribute `states` names its rows and columns.
 void add_covariances(io::TableWriter& file, const fusion::Result& result) {
     const std::vector<filter::CovarianceRow>& rows = result.forward.covariances;
     if (rows.empty()) return;
@@ -165,7 +165,7 @@ void add_sensor_truth(io::TableWriter& file, const std::vector<sim::SensorTruth>
               [](const sim::SensorTruth& r, std::vector<double>& out) { push(out, r.accel_bias, units::mg); });
 }
 
-/// The fixes as the receiver gave them, at the antenna.
+/// The fixes as given by the receiver, at the antenna.
 void add_fixes(io::TableWriter& file, const std::vector<GnssFix>& rows) {
     if (rows.empty()) return;
     add_times(file, "/gnss", rows);
@@ -203,7 +203,7 @@ void add_innovations(io::TableWriter& file, const std::vector<fusion::AidRecord>
     }
 }
 
-/// One row a source and epoch; the sources' names are an attribute of the table, in the order of their numbers.
+/// One row per source and epoch; the names of the sources are an attribute of the table, in the order of their numbers.
 void add_sky(io::TableWriter& file, const RangingLog& log, const std::vector<SkyRow>& rows) {
     if (rows.empty()) return;
     add_times(file, "/sky", rows);

@@ -1,4 +1,4 @@
-// run.mat: the tables of run.h5 for Octave and MATLAB, a struct a group (docs/octave.md).
+// run.mat: the tables of run.h5 for Octave and MATLAB, a struct per group (docs/octave.md).
 #pragma once
 
 #include "schuler/solution/bundle.h"

@@ -13,7 +13,7 @@ namespace schuler::report {
 namespace detail {
 namespace {
 
-// Indices before which the steps are more than ten times the median step.
+// Indices preceded by intervals of more than ten times the median.
 std::vector<std::size_t> gaps(const std::vector<double>& t) {
     std::vector<double> steps;
     for (std::size_t i = 1; i < t.size(); ++i) {
@@ -28,7 +28,7 @@ std::vector<std::size_t> gaps(const std::vector<double>& t) {
     return out;
 }
 
-// v with NaN put in before each of the (ascending) places.
+// v with NaN inserted before each of the (ascending) indices.
 std::vector<double> with_gaps(const std::vector<double>& v, const std::vector<std::size_t>& places) {
     std::vector<double> out;
     out.reserve(v.size() + places.size());
@@ -59,7 +59,7 @@ void break_at_gaps(Band& band) {
 
 Panel time_panel(const RunReportData& data, std::string title, std::string y_label, bool start_up) {
     Panel panel{.title = std::move(title), .x_label = time_label, .y_label = std::move(y_label)};
-    // All over the same time, so that what happens together stands one above the other.
+    // All over the same time, so that simultaneous events are aligned vertically.
     if (data.solution.size() > 1) {
         panel.x_limits = {axis_seconds(data, data.solution.front().time), axis_seconds(data, data.solution.back().time)};
     }
@@ -105,7 +105,7 @@ std::vector<Card> cards(const RunReportData& data) {
         if (!o.compared || !std::isfinite(o.end_horizontal)) continue;
         ++compared;
         inside += o.inside_3sigma ? 1 : 0;
-        // after smoothing the ends are tied to the fixes again; the filter is at its worst there
+        // after smoothing the ends are tied to the fixes again, while the filter has its largest error there
         const double judged = data.smoothed ? o.max_horizontal : o.end_horizontal;
         square += judged * judged;
     }

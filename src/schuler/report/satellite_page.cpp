@@ -1,4 +1,4 @@
-// The page of a receiver's satellites: sky, numbers of satellites and dilution, C/N0, residuals.
+// The page of a receiver's satellites: sky plot, numbers of satellites and dilution, C/N0, residuals.
 #include "schuler/core/units.h"
 #include "schuler/earth/ellipsoid.h"
 #include "schuler/report/satellite_views.h"
@@ -35,7 +35,7 @@ struct Clock {
     [[nodiscard]] double operator()(const EpochView& e) const { return (e.tag - zero).seconds(); }
 };
 
-/// One curve a satellite: x and y of every epoch in which it is there.
+/// One curve per satellite: x and y of every epoch in which it is present.
 class BySatellite {
 public:
     Series& of(const SatelliteView& v) {
@@ -69,7 +69,7 @@ Panel panel(std::string title, std::string y_label) {
     return {.title = std::move(title), .x_label = time_label, .y_label = std::move(y_label)};
 }
 
-/// North is up; the distance from the middle is that from the zenith.
+/// North is up; the distance from the centre is the zenith distance.
 Panel sky_plot(const dataset::SatelliteViews& views) {
     Panel p{.title = "sky: north is up, the rings are elevations of 60, 30 and 0 deg",
             .x_label = "zenith distance east, deg",
@@ -140,7 +140,7 @@ Group numbers_group(const dataset::SatelliteViews& views, const Clock& clock) {
     return g;
 }
 
-/// The track, each epoch against the first.
+/// The track, each epoch relative to the first.
 Panel scatter(const dataset::SatelliteViews& views) {
     Panel p{.title = "positions from the first one",
             .x_label = "east, m",
@@ -196,7 +196,7 @@ Section residual_section(const dataset::SatelliteViews& views, const Clock& cloc
              {std::tuple{"pseudoranges", "residual, m", &code}, std::tuple{"range rates", "residual, m/s", &rate}}) {
             Panel p = panel(title, label);
             p.series = by->curves(Mark::Dots);
-            // satellites of one system share a plot: their colours go round
+            // satellites of one system share a plot: their colours are reused cyclically
             constexpr std::array inks{Ink::Blue, Ink::Vermillion, Ink::Green, Ink::Orange, Ink::Purple, Ink::Sky};
             for (std::size_t k = 0; k < p.series.size(); ++k) p.series[k].ink = inks[k % inks.size()];
             if (!p.series.empty()) g.panels.push_back(std::move(p));
@@ -206,7 +206,7 @@ Section residual_section(const dataset::SatelliteViews& views, const Clock& cloc
     return section;
 }
 
-/// Phases against the base, and the state of their integers.
+/// Phases relative to the base, and the state of their integers.
 Section carrier_section(const dataset::CarrierPhase& carrier, Time zero) {
     Section section{"Carrier phase against the base",
                     "Residuals of differences rover less base, less the median of their system and carrier.",

@@ -23,7 +23,7 @@ using gnss::EpochView;
 using gnss::Fate;
 using gnss::SatelliteView;
 
-/// Root of the mean square of what was added.
+/// Root mean square of the added values.
 class Squares {
 public:
     void add(double x) {
@@ -40,7 +40,7 @@ private:
     std::size_t count_ = 0;
 };
 
-/// A field of a table; empty where there is none.
+/// A field of a table; empty if there is no value.
 void field(std::string& text, double x, int decimals) {
     if (std::isfinite(x)) fmt::format_to(std::back_inserter(text), ",{:.{}f}", x, decimals);
     else text += ',';
@@ -74,7 +74,7 @@ void solution_fields(std::string& text, const LocalSolution& s) {
         for (int i = 0; i < 3; ++i) field(text, v[i], decimals);
 }
 
-/// The carrier-phase epoch of a tag; null where there is none. Tags come in order of time.
+/// The carrier-phase epoch of a tag; null if there is none. Tags are in time order.
 class CarrierAt {
 public:
     explicit CarrierAt(const SatelliteViews& views) : carrier_(views.carrier ? &*views.carrier : nullptr) {}
@@ -89,7 +89,7 @@ private:
     std::size_t next_ = 0;
 };
 
-/// What the summary says of all epochs.
+/// Totals of all epochs for the summary.
 struct Totals {
     std::map<gnss::SinglePointStatus, std::size_t> by_status;
     std::array<std::size_t, gnss::fate_count> fates{};
@@ -137,7 +137,7 @@ Totals totals_of(const SatelliteViews& views) {
     return t;
 }
 
-/// The median place, and its spread beside the sigma that is claimed.
+/// The median position, and its spread compared with the stated sigma.
 struct MedianPlace {
     Geodetic position;
     Eigen::Vector3d spread, sigma;  ///< north, east, down, m

@@ -1,4 +1,4 @@
-// What is reported of a receiver's satellites: tables, JSON, text and a page.
+// Reports on a receiver's satellites: tables, JSON, text and a page.
 #pragma once
 
 #include "schuler/dataset/satellite_views.h"
@@ -17,7 +17,7 @@ struct SatelliteReportInput {
     std::vector<std::string> warnings{};
 };
 
-/// One satellite over all epochs. What is not known is NaN.
+/// One satellite over all epochs. Unknown values are NaN.
 struct SatelliteSummary {
     gnss::SatelliteId satellite;
     std::size_t seen = 0;
@@ -26,19 +26,19 @@ struct SatelliteSummary {
     double mean = not_given, rms = not_given;           ///< m, of the residuals of used ranges
     double normalised = not_given;                      ///< RMS of residual over sigma
     double rate_rms = not_given;                        ///< m/s
-    std::size_t slips = 0;                              ///< of all carriers, against a base
+    std::size_t slips = 0;                              ///< of all carriers, relative to a base
 };
-/// In the order of systems and numbers.
+/// In order of systems and numbers.
 [[nodiscard]] std::vector<SatelliteSummary> satellites_of(const dataset::SatelliteViews& views);
 
-/// Which carriers slipped or were restarted, for each epoch of the carrier-phase solution: its arc differs from the one before.
+/// Carriers that slipped or were restarted, at each epoch of the carrier-phase solution: their arc differs from the previous one.
 [[nodiscard]] std::vector<std::vector<bool>> slips_of(const dataset::CarrierPhase& carrier);
 
-/// gnss.csv: an epoch a row: solution, sigma, satellites, dilution, protection levels; with a base, its carrier-phase position too.
+/// gnss.csv: one row per epoch: solution, sigma, satellites, dilution, protection levels; with a base, carrier-phase position.
 [[nodiscard]] std::string gnss_csv(const dataset::SatelliteViews& views);
-/// satellites.csv: a satellite at an epoch a row: direction, C/N0, used or why not.
+/// satellites.csv: one row per satellite and epoch: direction, C/N0, used or the reason if not.
 [[nodiscard]] std::string satellites_csv(const dataset::SatelliteViews& views);
-/// residuals.csv: a measurement a row, measured minus modelled, with its sigma.
+/// residuals.csv: one row per measurement, measured minus modelled, with its sigma.
 [[nodiscard]] std::string residuals_csv(const dataset::SatelliteViews& views);
 
 [[nodiscard]] std::string satellite_json(const SatelliteReportInput& input);

@@ -10,7 +10,7 @@
 namespace schuler::report {
 namespace {
 
-/// The pseudoranges of an epoch as the filter met them; records of an epoch have its time as stamp.
+/// The pseudoranges of an epoch as processed by the filter; records of an epoch have its time as stamp.
 const fusion::AidRecord* record_of(std::span<const fusion::AidRecord> all, Time epoch, int source) {
     const auto first = std::ranges::lower_bound(all, epoch, {}, &fusion::AidRecord::stamp);
     for (auto it = first; it != all.end() && it->stamp == epoch; ++it)

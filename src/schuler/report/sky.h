@@ -1,4 +1,4 @@
-// Where satellites and stations stand as the vehicle sees them, and what became of their ranges.
+// Directions of satellites and stations as seen from the vehicle, and the use of their ranges.
 #pragma once
 
 #include "schuler/solution/bundle.h"
@@ -14,8 +14,8 @@ struct SkyRow {
     Time time;       ///< of the epoch
     int source = 0;  ///< index into RangingLog::sources
     bool station = false;
-    double azimuth = 0.0;    ///< rad, from north over east, 0 to 2 pi
-    double elevation = 0.0;  ///< rad, above the plane square to the ellipsoid's normal
+    double azimuth = 0.0;    ///< rad, clockwise from north, 0 to 2 pi
+    double elevation = 0.0;  ///< rad, above the plane normal to the ellipsoid normal
     RangeUse use = RangeUse::NotAsked;
     double residual = not_given;  ///< of the pseudorange: computed minus measured, before its own update, m
     double sigma = not_given;     ///< predicted one sigma of the residual, m
@@ -23,7 +23,7 @@ struct SkyRow {
 
 inline constexpr std::size_t most_sky_epochs = 300;
 
-/// The epochs of ranges at the solution's positions, evenly decimated to most_sky_epochs. Empty where there is no log of ranges.
+/// The epochs of ranges at the solution's positions, evenly decimated to most_sky_epochs. Empty if there is no log of ranges.
 [[nodiscard]] std::vector<SkyRow> sky_rows(const solution::ResultBundle& bundle);
 
 }  // namespace schuler::report

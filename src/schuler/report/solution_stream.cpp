@@ -5,9 +5,9 @@
 namespace schuler::report {
 namespace {
 
-/// Rows that may wait, a few megabytes: enough to ride out a slow disk for a moment.
+/// Rows that may be queued, a few megabytes: enough for a temporarily slow disk.
 constexpr std::size_t most_waiting = 16'384;
-/// Fewer are not worth waking the writer for.
+/// Minimum number of rows for waking the writer.
 constexpr std::size_t worth_waking = 2'048;
 
 }  // namespace
@@ -67,7 +67,7 @@ void SolutionStream::write_all() {
         taken.clear();
         lock.lock();
         if (!failure) continue;
-        failure_ = std::move(failure);  // no second owner: the caller's thread ends the exception
+        failure_ = std::move(failure);  // no second owner: the exception is released in the caller's thread
         waiting_.clear();
         lock.unlock();
         emptied_.notify_one();

@@ -1,4 +1,4 @@
-// solution.csv written beside the running filter, so that a long log at every epoch costs neither memory nor waiting.
+// solution.csv written while the filter runs, so that a long log at every epoch requires neither memory nor waiting.
 #pragma once
 
 #include "schuler/core/nav_state.h"
@@ -14,18 +14,18 @@
 
 namespace schuler::report {
 
-/// One thread of its own formats and writes; the file appears at finish(), and without finish() nothing is left behind.
+/// A separate thread formats and writes; the file appears at finish(), and without finish() nothing remains.
 class SolutionStream {
 public:
-    /// Throws Error(Input) where the file cannot be made. The folder must exist.
+    /// Throws Error(Input) if the file cannot be created. The folder must exist.
     explicit SolutionStream(const std::filesystem::path& file);
     ~SolutionStream();
     SolutionStream(const SolutionStream&) = delete;
     SolutionStream& operator=(const SolutionStream&) = delete;
 
-    /// Copies the rows; waits only where the writer is far behind. Throws what the writer met (a full disk).
+    /// Copies the rows; waits only if the writer is far behind. Throws the writer's error (a full disk).
     void append(std::span<const SolutionRow> rows);
-    /// Waits for the rest and gives the file its name. Throws as append() does.
+    /// Waits for the remaining rows and renames the file. Throws as append() does.
     void finish();
 
 private:
@@ -36,7 +36,7 @@ private:
     io::SolutionCsvWriter writer_;
     std::mutex mutex_;
     std::condition_variable filled_, emptied_;
-    std::vector<SolutionRow> waiting_;  ///< handed over, not yet taken; guarded, as all below
+    std::vector<SolutionRow> waiting_;  ///< passed on, not yet taken; guarded, as all below
     bool closed_ = false;
     std::exception_ptr failure_;
     std::thread thread_;

@@ -108,7 +108,7 @@ Json head_of(const solution::ResultBundle& b) {
     return out;
 }
 
-/// Verdicts of the integrity monitor and about refused fixes; null where there is neither.
+/// Verdicts of the integrity monitor and about refused fixes; null if there are none.
 Json integrity_of(const solution::ResultBundle& b) {
     if (!b.data.config.filter.integrity.use && b.result.alerts.empty()) return nullptr;
     Json alerts = Json::array();
@@ -167,7 +167,7 @@ Json of(const solution::Coverage& c) {
             {"sigma_rms_m", json_number(c.sigma_rms)}};
 }
 
-/// Shares from 0 to 1; null where there is none, whose reason is among those of the verdict.
+/// Fractions from 0 to 1; null if there are none, the reason being among those of the verdict.
 Json self_check_of(const solution::ResultBundle& b) {
     if (!b.self_check || !b.self_check->done()) return nullptr;
     const solution::SelfCheck& c = *b.self_check;
@@ -196,7 +196,7 @@ Json self_check_of(const solution::ResultBundle& b) {
     return out;
 }
 
-/// What carrier phases against a base gave; null where there is none.
+/// Results of carrier phases relative to a base; null if there are none.
 Json carrier_of(const solution::ResultBundle& b) {
     const auto& epochs = b.data.carrier.epochs;
     if (epochs.empty()) return nullptr;

@@ -1,4 +1,4 @@
-// The numbers of a run: summary.json and tables for people.
+// The results of a run: summary.json and readable tables.
 #pragma once
 
 #include "schuler/fusion/result.h"
@@ -11,10 +11,10 @@ namespace schuler::report {
 
 [[nodiscard]] std::string_view integrity_test_name(fusion::IntegrityTest test);
 
-/// summary.json, with the fields of the interface contract; numbers that do not apply are null.
+/// summary.json, with the fields of the interface contract; numbers not applicable are null.
 [[nodiscard]] std::string summary_json(const solution::ResultBundle& bundle);
 
-/// The same numbers as tables for people.
+/// The same numbers as readable tables.
 [[nodiscard]] std::string summary_tables(const solution::ResultBundle& bundle);
 
 }  // namespace schuler::report

@@ -29,7 +29,7 @@ double rounded(double x) {
     return std::nearbyint(x * scale) / scale + 0.0;  // minus zero is written as zero
 }
 
-/// Radians of a number of degrees that has been written with angle_decimals.
+/// Radians from a number of degrees written with angle_decimals.
 double rounded_angle(double rad) { return rounded<angle_decimals>(rad / units::deg) * units::deg; }
 
 template <int Decimals>
@@ -78,7 +78,7 @@ void round_to_files(AidLog& log) {
     for (HeadingSample& s : log.headings) s.heading = rounded_angle(s.heading);
 }
 
-/// What the filter assumes of those instruments: what is simulated.
+/// Sets the filter's assumptions about those instruments to the simulated errors.
 void describe(const sim::AidErrors& simulated, const AidLog& log, settings::AidsConfig& assumed) {
     if (!log.gauges.empty()) assumed.gauges.file = "gauges.csv";
     if (!log.velocities.empty()) assumed.log.file = "log.csv";
@@ -94,7 +94,7 @@ void describe(const sim::AidErrors& simulated, const AidLog& log, settings::Aids
     assumed.compass.bias = simulated.compass.bias;
 }
 
-/// A table as text, written column by column.
+/// A table as text, formatted column by column.
 class TextTable {
 public:
     explicit TextTable(std::string header) : text_(std::move(header)) { text_ += '\n'; }
@@ -204,7 +204,7 @@ std::string reference_csv(const std::vector<ReferenceSample>& samples) {
     return out.text();
 }
 
-/// What the filter assumes: the simulated instruments unless the scenario says otherwise.
+/// Assumptions of the filter: the simulated instruments unless the scenario specifies others.
 settings::Config described(const settings::ScenarioConfig& s, const Recording& recording) {
     settings::Config c = s.processing;
     const sim::GnssSettings& g = s.sim.gnss;
@@ -231,13 +231,13 @@ settings::Config described(const settings::ScenarioConfig& s, const Recording& r
     c.filter.imu.kind = s.sim.imu.kind;
     const sensor::ImuErrorModel& imu = s.sim.imu.errors;
     c.filter.imu.errors = imu;
-    // No states of the filter, so stated as biases: the drift of warming up as in-run, the pull of gravity as turn-on.
+    // Effects without filter states, stated as biases: the drift of warming up as in-run, the g-dependent error as turn-on.
     c.filter.imu.errors.gyro_bias = std::hypot(imu.gyro_bias, imu.gyro_temperature * s.sim.imu.warm_up);
     c.filter.imu.errors.accel_bias = std::hypot(imu.accel_bias, imu.accel_temperature * s.sim.imu.warm_up);
     c.filter.imu.errors.gyro_turn_on_bias = std::hypot(imu.gyro_turn_on_bias, imu.gyro_g * units::g0);
     c.scale_factors = c.scale_factors.value_or(imu.gyro_scale > 0.0 || imu.accel_scale > 0.0);
     c.misalignments = c.misalignments.value_or(imu.gyro_misalignment > 0.0 || imu.accel_misalignment > 0.0);
-    // Without states of their own they act as biases, through the specific force that is always there.
+    // Without their own states they act as biases, through the ever-present specific force.
     double& turn_on = c.filter.imu.errors.accel_turn_on_bias;
     if (!*c.scale_factors) turn_on = std::hypot(turn_on, imu.accel_scale * units::g0);
     if (!*c.misalignments) turn_on = std::hypot(turn_on, imu.accel_misalignment * units::g0);
@@ -253,8 +253,8 @@ settings::Config described(const settings::ScenarioConfig& s, const Recording& r
     c.filter.baro.bias_std = std::max(s.sim.baro.bias, 1e-3);
     c.filter.baro.bias_walk = s.sim.baro.bias_walk;
     c.filter.baro.bias_time = s.sim.baro.bias_time;
-    // Hard iron turns the heading by its part across it; soft iron by about its coefficients. Both change as the vehicle turns,
-    // which takes some ten seconds.
+    // Hard iron changes the heading by its component across it; soft iron by about its coefficients. Both change as the vehicle
+    // turns, which takes some ten seconds.
     constexpr double turn_time = 10.0;
     const sim::MagSettings& mag = s.sim.mag;
     const double level = mag.field * std::cos(mag.inclination);
@@ -262,7 +262,7 @@ settings::Config described(const settings::ScenarioConfig& s, const Recording& r
     c.filter.mag.bias_std = std::max(0.01, std::hypot(mag.hard_iron / level, 2.0 * mag.soft_iron));
     c.filter.mag.heading_std = std::max(0.005, mag.white / level);
     c.filter.mag.bias_walk = std::hypot(1e-4, c.filter.mag.bias_std * std::sqrt(2.0 / turn_time));
-    // the scenario counts from its start, the command line from the first fix: absolute times mean the same to both
+    // the scenario counts from its start, the command line from the first fix: absolute times have the same meaning for both
     for (const settings::OutageSpan& o : s.outages) c.run.outages.push_back({o.start, o.duration, true});
     return c;
 }
@@ -344,7 +344,7 @@ SimulatedDataset simulate_dataset(const settings::ScenarioConfig& scenario, cons
         give_initial_state(c, scenario.initial_error, out.recording.reference.front(), scenario.sim.earth, out.seed);
         state_initial_sigmas(c.filter.initial, assumed_scenario.initial_error);
     }
-    // Fixes that will be made of the ranges have those' slow errors, which follow from the geometry: nothing is assumed instead.
+    // Fixes to be made from the ranges have the slow errors of these, which follow from the geometry: nothing else is assumed.
     const bool by_ranges = out.recording.gnss.empty() && !out.recording.ranges.empty() &&
                            !assumed_scenario.given.contains("gnss.correlated_m") &&
                            !assumed_scenario.given.contains("gnss.receiver");
@@ -376,7 +376,7 @@ void write_dataset(const SimulatedDataset& data, const std::filesystem::path& fo
     if (!data.stations.empty()) io::write_file(stage.path() / "stations.csv", io::stations_csv(data.stations));
     for (const auto& [name, text] : data.texts) io::write_file(stage.path() / name, text);
     io::write_file(stage.path() / "reference.csv", reference_csv(r.reference));
-    settings::SettingList last;  // of each key the last setting speaks
+    settings::SettingList last;  // for each key the last setting is valid
     for (const settings::Setting& s : data.settings) {
         std::erase_if(last, [&](const settings::Setting& e) { return e.key == s.key; });
         last.push_back(s);

@@ -9,7 +9,7 @@
 
 namespace schuler::scenario {
 
-/// Ranges of a scenario with the ephemerides they were made from; nothing where it has none.
+/// Ranges of a scenario with the ephemerides used to generate them; empty if it has none.
 struct SimulatedRanging {
     sim::SimulatedRanges ranges;
     gnss::Navigation navigation;

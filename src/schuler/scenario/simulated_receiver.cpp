@@ -21,7 +21,7 @@ constexpr double c = gnss::speed_of_light;
 constexpr double deep_interval = 0.02;  // s, a symbol of GPS
 constexpr int row_ticks = 100;          // ms
 
-/// Earth-fixed axes of transmission as they are turned at reception, `tau` s later.
+/// Rotation of the Earth-fixed axes of transmission to those at reception, `tau` s later.
 fusion::EarthFixedMotion at_reception(const gnss::SatelliteState& s, const earth::Ellipsoid& earth, double tau) {
     const Eigen::Matrix3d C = Eigen::AngleAxisd(-earth.w_ie * tau, Eigen::Vector3d::UnitZ()).toRotationMatrix();
     const Eigen::Vector3d r = s.position.r, v = s.velocity, a = point_mass_acceleration(s, earth);
@@ -120,7 +120,7 @@ void SimulatedReceiver::listen(double until, RangingLog& log) {
 void SimulatedReceiver::measure(RangingLog& log) {
     bank_->measure(measured_, interval_);
     RangeEpoch epoch{sky_.time(bank_->now()), log.samples.size(), 0};
-    const double t = bank_->now() - bank_->clock() / c;  // true time when the receiver's clock shows now
+    const double t = bank_->now() - bank_->clock() / c;  // true time at which the receiver's clock shows now
     sensor::Oscillator clock;
     clock.h0 = settings_.oscillator.h0;
     const double clock_density = clock.phase_psd();
@@ -137,11 +137,11 @@ void SimulatedReceiver::measure(RangingLog& log) {
         s.std = std::sqrt(m.range_variance);
         if (std::isfinite(m.rate_variance)) {
             s.range_rate = m.rate;
-            // what a rate has of the clock's noise beyond what all of them share, for which the filter has a state
+            // part of a rate's clock noise beyond the common part, for which the filter has a state
             const double more = clock_density * std::max(0.0, 1.0 / m.rate_span - 1.0 / rate_span_);
             s.std_rate = std::sqrt(m.rate_variance + more);
             if (m.phase_variance > 0.0) {
-                // of which each end has half, and keeps it: it is what the clock did while one channel had ended and another had not
+                // each end has half of it, permanently: the clock's change between the ends of different channels
                 s.phase_std = std::sqrt(m.phase_variance + 0.5 * more * m.rate_span * m.rate_span);
                 s.phase_span = m.rate_span;
                 s.phase_goes_on = m.phase_goes_on;

@@ -1,4 +1,4 @@
-// A receiver at correlator level on a simulated flight: alone, or in the loop of the navigation filter.
+// A receiver at correlator level on a simulated flight: autonomous, or in the loop of the navigation filter.
 #pragma once
 
 #include "schuler/filter/update/receiver_in_loop.h"
@@ -15,7 +15,7 @@ namespace schuler::scenario {
 /// The signals of a scenario with [receiver], its path and its orbits. Immutable.
 class SimulatedSky final : public receiver::SignalField {
 public:
-    /// Of a scenario that check_receiver() lets pass. @throws Error(Input) where no satellite is ever in view.
+    /// For a scenario accepted by check_receiver(). @throws Error(Input) if no satellite is ever in view.
     explicit SimulatedSky(const settings::ScenarioConfig& scenario);
 
     [[nodiscard]] std::size_t size() const override { return signals_.size(); }
@@ -25,12 +25,12 @@ public:
     [[nodiscard]] bool in_view(std::size_t signal, double t) const override { return signals_.in_view(signal, t); }
 
     [[nodiscard]] const sim::Signals& signals() const { return signals_; }
-    /// Specific force, body axes, m/s^2, to 0.1 m/s^2: what shakes an oscillator.
+    /// Specific force, body axes, m/s^2, to 0.1 m/s^2: the acceleration acting on an oscillator.
     [[nodiscard]] Eigen::Vector3d force(double t) const;
     /// Seconds of the scenario.
     [[nodiscard]] double seconds(Time t) const { return (t - frame_.origin).seconds(); }
     [[nodiscard]] Time time(double t) const { return frame_.origin + Duration::from_seconds(t); }
-    /// The satellite that sent at `t`.
+    /// The satellite state at transmission time `t`.
     [[nodiscard]] std::optional<gnss::SatelliteState> satellite(std::size_t signal, double t) const;
 
     [[nodiscard]] const settings::ReceiverScenarioConfig& settings() const { return settings_; }
@@ -49,7 +49,7 @@ class SimulatedReceiver {
 public:
     SimulatedReceiver(const SimulatedSky& sky, receiver::Guidance guidance);
 
-    /// A fusion::ReceiverInLoop.
+    /// Implements fusion::ReceiverInLoop.
     void run(const fusion::ReceiverAiding& aiding, Time until, RangingLog& log);
     /// The whole flight without guidance.
     [[nodiscard]] RangingLog run_alone();

@@ -18,7 +18,7 @@ namespace {
 struct Direction {
     std::string_view word;
     int line;     // 0 forward-backward, 1 right-left, 2 down-up: the body axes
-    double sign;  // along the body axis or against it
+    double sign;  // along the body axis or opposite
 };
 constexpr std::array<Direction, 6> directions{
     {{"forward", 0, 1.0}, {"backward", 0, -1.0}, {"right", 1, 1.0}, {"left", 1, -1.0}, {"down", 2, 1.0}, {"up", 2, -1.0}}};
@@ -48,7 +48,7 @@ std::string normalised(std::string_view text) {
     return result;
 }
 
-/// The word of each axis x, y, z; empty where it is not given.
+/// The word of each axis x, y, z; empty if not given.
 std::array<std::string, 3> words_of(std::string_view axes, const std::string& text) {
     std::array<std::string, 3> words;
     if (text.find('=') == std::string::npos) {

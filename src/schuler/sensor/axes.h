@@ -1,4 +1,4 @@
-// Sensor axes as a data set names them, to the rotation from sensor to body axes.
+// Conversion of the sensor axes named in a data set to the rotation from sensor to body axes.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,9 +10,9 @@ namespace schuler::sensor {
 /// C_bs: sensor components to body components (forward-right-down), from
 ///  - three letters for x, y, z, each of f, b, l, r, u, d (forward, backward, left, right, up, down): "frd", "flu", "fur";
 ///  - an explicit list: "x=forward, y=left, z=up", in any order, full words or their letters ("back", "rear", "aft" are backward).
-/// Case and spaces do not matter. The result is a permutation with signs, determinant +1.
+/// Case and spaces are ignored. The result is a signed permutation with determinant +1.
 /// @throws Error(Input), key "axes", for an unknown word, a missing or repeated axis, two axes along one line, or left-handed axes
-///         (the hint says which direction would make it right-handed).
+///         (the hint gives the direction that makes it right-handed).
 [[nodiscard]] Eigen::Matrix3d C_bs_from_axes(std::string_view axes);
 
 }  // namespace schuler::sensor

@@ -29,17 +29,17 @@ struct Sheet {
 };
 
 // Grades: the classes of Groves 2013 (Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed.,
-// ch. 4: tables of biases, sections on scale factor, cross-coupling and random noise), a middle value of each class. In-run
+// ch. 4: tables of biases, sections on scale factor, cross-coupling and random noise), a central value of each class. In-run
 // biases and correlation times, which that book does not tabulate, are the Allan floor of typical devices of the class,
-// taken with a margin of two to three because a Gauss-Markov process stands in for flicker noise and temperature.
-// Devices, typical columns of the makers' sheets:
+// with a margin of two to three because a Gauss-Markov process represents flicker noise and temperature.
+// Devices, typical columns of the manufacturers' data sheets:
 //  adis16405   Analog Devices rev. B: 0.05 deg/s/sqrt(Hz), ARW 2 deg/sqrt(h), initial 3 deg/s, in-run 0.007 deg/s (25 deg/h),
 //              VRW 0.2 m/s/sqrt(h), initial 50 mg, in-run 0.2 mg, sensitivity 1 %, axes 0.05 deg.
 //  adis16488   Analog Devices (16488A within a fifth): ARW 0.3 deg/sqrt(h), initial 0.2 deg/s, in-run 6.25 deg/h,
 //              VRW 0.029 m/s/sqrt(h), initial 16 mg, in-run 0.1 mg, sensitivity 1 % and 0.5 %, axes 0.05 and 0.035 deg.
 //  hg9900      Honeywell: GG1320AN gyros 0.003 deg/h, 0.002 deg/sqrt(h), 5 ppm; QA-2000 accelerometers 25 ug, 100 ppm (paper A,
-//              tables 1.4.2 and 1.4.3). The random walk printed there for the accelerometers is the gyros'; 5 ug/sqrt(Hz)
-//              (QA-2000 sheet: 8 ug rms in 0 to 10 Hz, with margin) stands here. The stated bias is taken as in-run with an
+//              tables 1.4.2 and 1.4.3). The random walk printed there for the accelerometers is that of the gyros; 5 ug/sqrt(Hz)
+//              (QA-2000 sheet: 8 ug rms in 0 to 10 Hz, with margin) is used here. The stated bias is taken as in-run with an
 //              hour's correlation time. Axes: 5 arcsec after calibration, assumed.
 constexpr std::array<Sheet, 8> sheets{{
     {"consumer", {0.3, 30.0, 300.0, 1000.0, 10000.0, 1800.0}, {0.1, 5.0, 300.0, 20.0, 10000.0, 1800.0}},

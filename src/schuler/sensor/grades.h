@@ -1,4 +1,4 @@
-// How an inertial instrument lies, as numbers; and a table of grades and devices by name.
+// Error models of inertial instruments, and a table of grades and devices by name.
 #pragma once
 
 #include <string_view>
@@ -6,8 +6,8 @@
 
 namespace schuler::sensor {
 
-/// Error model of an inertial measurement unit: three like gyros and three like accelerometers, SI units, one sigma.
-/// All zero is a perfect instrument. Simulator and filter are given the same struct unless a study says otherwise.
+/// Error model of an inertial measurement unit: three identical gyros and three identical accelerometers, SI units, one sigma.
+/// All zero is a perfect instrument. Simulator and filter use the same struct, except in studies of the difference.
 ///
 /// Measured = (I + S + M) true + turn-on bias + in-run bias + rate walk + flicker + temperature and g errors + white noise, then
 /// limited to the range and rounded to the quantum, where S is diagonal with the scale errors, M has the six independent
@@ -23,9 +23,9 @@ struct ImuErrorModel {
     double gyro_quantum = 0.0;       ///< least count of the accumulated angle, rad (0: none)
     double gyro_rate_walk = 0.0;     ///< random walk of the bias, rad/s/sqrt(s)
     double gyro_flicker = 0.0;      ///< bias instability B of [IEEE952]: 1/f noise, the Allan deviation's floor is 0.664 B, rad/s
-    double gyro_temperature = 0.0;  ///< bias a kelvin off the temperature of calibration, each axis, rad/s/K
-    double gyro_g = 0.0;            ///< bias a unit of specific force, each of nine coefficients, rad/s/(m/s^2)
-    double gyro_range = 0.0;        ///< largest rate that is measured, rad/s (0: no limit)
+    double gyro_temperature = 0.0;  ///< bias per kelvin from the calibration temperature, each axis, rad/s/K
+    double gyro_g = 0.0;            ///< bias per unit of specific force, each of nine coefficients, rad/s/(m/s^2)
+    double gyro_range = 0.0;        ///< largest measurable rate, rad/s (0: no limit)
 
     double accel_noise = 0.0;         ///< velocity random walk, m/s/sqrt(s)
     double accel_bias = 0.0;          ///< in-run bias, m/s^2
@@ -36,17 +36,17 @@ struct ImuErrorModel {
     double accel_quantum = 0.0;       ///< least count of the accumulated velocity, m/s (0: none)
     double accel_rate_walk = 0.0;     ///< random walk of the bias, m/s^2/sqrt(s)
     double accel_flicker = 0.0;       ///< bias instability B, m/s^2
-    double accel_temperature = 0.0;   ///< bias a kelvin off the temperature of calibration, m/s^2/K
-    double accel_range = 0.0;         ///< largest specific force that is measured, m/s^2 (0: no limit)
+    double accel_temperature = 0.0;   ///< bias per kelvin from the calibration temperature, m/s^2/K
+    double accel_range = 0.0;         ///< largest measurable specific force, m/s^2 (0: no limit)
 
-    /// One sigma of the whole bias at switch-on (turn-on, in-run, flicker): what a filter must start with. rad/s.
+    /// One sigma of the total bias at switch-on (turn-on, in-run, flicker): the initial uncertainty of a filter. rad/s.
     [[nodiscard]] double gyro_initial_bias() const;
-    /// Likewise, m/s^2.
+    /// Likewise for the accelerometers, m/s^2.
     [[nodiscard]] double accel_initial_bias() const;
 };
 
 /// The model of a grade (consumer, mems, tactical, navigation), of a device (hg9900, ...) or of the "perfect" instrument.
-/// Case, '-' and '_' do not matter. Throws Error(Input) that lists the known names.
+/// Case, '-' and '_' are ignored. Throws Error(Input) that lists the known names.
 [[nodiscard]] ImuErrorModel imu_grade(std::string_view name);
 
 /// The known names, worst first.

@@ -1,10 +1,10 @@
-// How ranges lie, and the clock that measures them, as numbers: given alike to the simulator and to the filter.
+// Error models of ranges and of the receiver clock, used alike by the simulator and the filter.
 #pragma once
 
 namespace schuler::sensor {
 
-/// Errors of the ranges of one kind of source, one sigma, SI units. The correlated part is a stationary first-order Gauss-Markov
-/// process of each source by itself.
+/// Errors of the ranges of one kind of source, one sigma, SI units. The correlated part is an independent stationary first-order
+/// Gauss-Markov process for each source.
 struct RangeErrorModel {
     double white = 1.5;               ///< m
     double correlated = 2.0;          ///< m (0: none)
@@ -16,8 +16,8 @@ struct RangeErrorModel {
 struct Oscillator {
     double h0 = 8e-20;        ///< s
     double h_minus2 = 4e-23;  ///< 1/s
-    double bias = 300.0;      ///< m, c times its error at first, one sigma
-    double drift = 10.0;      ///< m/s, likewise of its rate
+    double bias = 300.0;      ///< m, c times its initial error, one sigma
+    double drift = 10.0;      ///< m/s, likewise for its rate
 
     /// Densities of c times bias, m^2/s, and of its rate, m^2/s^3: c^2 h0/2 and 2 pi^2 c^2 h_-2.
     [[nodiscard]] double phase_psd() const { return 0.5 * c2 * h0; }
@@ -31,7 +31,7 @@ private:
 inline constexpr Oscillator ocxo{};
 inline constexpr Oscillator tcxo{2e-19, 2e-20};
 
-/// Everything about the ranges of one receiver. The network of ground stations has one more offset against the satellites' time.
+/// All errors of the ranges of one receiver. The network of ground stations has its own offset against the satellites' time.
 struct RangingErrorModel {
     RangeErrorModel satellite;
     RangeErrorModel station{10.0, 5.0, 600.0, 0.1};
@@ -39,8 +39,8 @@ struct RangingErrorModel {
     double network_time = 3600.0;  ///< s
     double intersystem = 30.0;     ///< m, constant offset of each further satellite system
     Oscillator clock;
-    /// s that a range rate is a mean over: the clock's white frequency noise over it is in all the rates of an epoch alike, and in none of
-    /// their stated sigmas. 0: the sigmas have all of it.
+    /// Averaging time of a range rate, s: the clock's white frequency noise over it is common to all the rates of an epoch, and not
+    /// included in their stated sigmas. 0: the sigmas include it.
     double rate_span = 0.0;
 };
 

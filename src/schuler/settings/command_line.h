@@ -1,4 +1,4 @@
-// Between the words of a command line and the values of options.
+// Conversion between words of a command line and option values.
 #pragma once
 
 #include "schuler/settings/option_table.h"
@@ -8,16 +8,16 @@
 
 namespace schuler::settings {
 
-/// The words after an option as its value: numbers where it takes numbers and they are some, otherwise text for check_value to refuse.
+/// The words after an option as its value: numbers if it takes numbers and they are valid, otherwise text, which check_value rejects.
 [[nodiscard]] Value value_from_words(const OptionSpec& spec, const std::vector<std::string>& words);
 
-/// The same back: {"--runs", "20"}; of an argument its value alone; nothing of a flag that is off. The value has passed check_value.
+/// The inverse: {"--runs", "20"}; for an argument its value alone; empty for a flag that is off. The value has passed check_value.
 [[nodiscard]] std::vector<std::string> words_from_value(const OptionSpec& spec, const Value& value);
 
-/// What help puts after the option: "T:DUR", "M_S", "NUMBER"; empty for a flag.
+/// Value name shown by the help after the option: "T:DUR", "M_S", "NUMBER"; empty for a flag.
 [[nodiscard]] std::string value_name_of(const OptionSpec& spec);
 
-/// The sentence of help: what it is, and what holds where it is not given.
+/// Help text: description and default.
 [[nodiscard]] std::string help_of(const OptionSpec& spec, const SettingList& defaults);
 
 }  // namespace schuler::settings

@@ -31,20 +31,20 @@ std::set<std::string> keys_of(const SettingList& settings) {
     return keys;
 }
 
-/// Finds what `given` leaves open and puts it below.
+/// Finds settings not in `given` and adds them as the lowest layer.
 void resolve(Dataset& d, const fs::path& path, dataset::Needs needs, const SettingList& given, bool may_find_aids) {
     const Config said = config_from(given);
     inspect::Given g = given_of(said, given, d.folder);
     g.find_aids = may_find_aids;
     g.find_imu = g.find_imu && may_find_aids;
     g.weighs_field = needs == dataset::Needs::Attitude;
-    if (said.scheme == Scheme::Gnss && said.imu.file.empty() && !g.find_logs) {  // nothing to look for
+    if (said.scheme == Scheme::Gnss && said.imu.file.empty() && !g.find_logs) {  // nothing to search for
         needs = dataset::Needs::Imu;
         g.find_imu = false;
     }
     dataset::Recognised r = dataset::recognise(path, needs, g);
     if (!d.folder.empty() && !g.find_logs) {
-        // axes of time are the loader's where it knows dates; names are the folder's
+        // the loader handles dated time axes; names follow from the folder
         std::erase_if(r.facts, [](const Fact& f) { return f.key == "name"; });
     }
     if (r.report.refusal && needs == dataset::Needs::ImuAndGnss) {
@@ -53,7 +53,7 @@ void resolve(Dataset& d, const fs::path& path, dataset::Needs needs, const Setti
     }
     const std::string origin = "found in " + path.string();
     d.contradictions = std::move(r.report.contradictions);
-    SettingList accepted = given;  // all but what is refuted
+    SettingList accepted = given;  // all except refuted ones
     for (inspect::Contradiction& c : d.contradictions) {
         if (said.run.keep_given) c.refuted = false;
         if (!c.refuted) continue;

@@ -12,23 +12,23 @@
 
 namespace schuler::settings {
 
-/// What a path turned out to be: the settings that describe it, and where its files are.
+/// Result of opening a path: the settings that describe it, and the location of its files.
 struct Dataset {
     std::string name;
-    std::filesystem::path folder;  ///< relative paths start here
-    SettingList settings;          ///< all layers: found, above them the data set's own, above those of the caller
-    std::set<std::string> given;   ///< keys of the upper layers
-    std::vector<Fact> facts;       ///< the lowest layer: what the files state or show
-    std::vector<inspect::Contradiction> contradictions;  ///< of what is given by what the files show
-    inspect::InspectReport report;                       ///< what the files were recognised as; empty of a KF-GINS project
-    std::string inferred_toml;        ///< the dataset.toml that describes what was inferred; empty where there is one
-    std::vector<std::string> doubts;  ///< what is wrong with the files that were recognised, and how it was taken
+    std::filesystem::path folder;                        ///< base of relative paths
+    SettingList settings;                                ///< all layers: found, then the data set's own, then those of the caller
+    std::set<std::string> given;                         ///< keys of the upper layers
+    std::vector<Fact> facts;                             ///< the lowest layer: stated or shown by the files
+    std::vector<inspect::Contradiction> contradictions;  ///< of given settings with the data
+    inspect::InspectReport report;                       ///< recognised content of the files; empty for a KF-GINS project
+    std::string inferred_toml;        ///< the dataset.toml that describes the inferred settings; empty if there is one
+    std::vector<std::string> doubts;  ///< problems of the recognised files, and how they were interpreted
 };
 
 /// Opens a folder with dataset.toml, the path of a dataset.toml, a KF-GINS YAML file, or a folder or file whose content is
-/// recognised, as far as `needs` asks. What neither the data set nor `above` (--config, --set) gives is found from the files, the same
-/// for all of them but KF-GINS projects, which are complete.
-/// @throws Error(Input) saying what is wrong and how to mend it.
+/// recognised, to the extent required by `needs`. Settings given neither by the data set nor by `above` (--config, --set) are
+/// found from the files, in the same way for all except KF-GINS projects, which are complete.
+/// @throws Error(Input) with the error and its remedy.
 [[nodiscard]] Dataset open_dataset(const std::filesystem::path& path, dataset::Needs needs = dataset::Needs::ImuAndGnss,
                                    const SettingList& above = {});
 

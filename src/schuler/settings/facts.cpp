@@ -29,7 +29,7 @@ struct ToValue {
 };
 
 inspect::GivenFile file_of(const dataset::FileSource& source, const std::filesystem::path& folder, const std::string& key) {
-    if (source.file.empty()) return {{}, {}, {}, {}, source.time_offset};  // of the log that takes this role
+    if (source.file.empty()) return {{}, {}, {}, {}, source.time_offset};  // for the log that takes this role
     return {dataset::resolved(folder, source.file, key), source.file, source.columns, source.scale, source.time_offset};
 }
 

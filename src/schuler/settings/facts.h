@@ -12,16 +12,16 @@
 namespace schuler::settings {
 
 [[nodiscard]] Value value_of(const FactValue& value);
-/// Dates and nested lists have no place in a fact and become text.
+/// Dates and nested lists cannot be represented in a fact and become text.
 [[nodiscard]] FactValue fact_value_of(const Value& value);
 
-/// Facts as the lowest layer of settings; `origin` names them in messages. Tables are completed by the entries that are given.
+/// Facts as the lowest layer of settings; `origin` is used in messages. Tables are completed by the given entries.
 [[nodiscard]] SettingList settings_of(const std::vector<Fact>& facts, const std::string& origin);
 
 /// Layers of settings where a later table of columns, scales or codes adds to an earlier one instead of replacing it.
 [[nodiscard]] SettingList completed(SettingList found, SettingList given);
 
-/// What `given`, whose values `config` has, states about the files of a data set in `folder`.
+/// The statements of `given`, whose values are in `config`, about the files of a data set in `folder`.
 [[nodiscard]] inspect::Given given_of(const Config& config, const SettingList& given, const std::filesystem::path& folder);
 
 }  // namespace schuler::settings

@@ -1,4 +1,4 @@
-// Options of a receiver's slow errors, the same for data sets (what the filter assumes) and scenarios.
+// Options of a receiver's slow errors, the same for data sets (as assumed by the filter) and scenarios.
 #pragma once
 
 #include "schuler/sensor/gnss_errors.h"

@@ -1,4 +1,4 @@
-// Options of an inertial instrument's error model, the same for data sets (what the filter assumes) and scenarios.
+// Options of an inertial instrument's error model, the same for data sets (as assumed by the filter) and scenarios.
 #pragma once
 
 #include "schuler/core/units.h"
@@ -9,7 +9,7 @@
 
 namespace schuler::settings {
 
-/// "imu.grade": fills the whole model; the numbers come later in the table and refine it.
+/// "imu.grade": sets the whole model; the numbers follow in the table and refine it.
 template <class Target, class Name, class Errors>
 Option<Target> imu_grade_option(Name grade, Errors errors) {
     OptionSpec s = detail::spec("imu.grade", Shape::Text, "class or device of the IMU; the numbers below refine it");

@@ -8,10 +8,10 @@
 namespace schuler::settings {
 namespace {
 
-// KF-GINS gives each axis its own numbers; the three like sensors of ImuErrorModel have their root mean square.
+// KF-GINS has separate numbers for each axis; the three identical sensors of ImuErrorModel have their root mean square.
 double of_axes(const Eigen::Vector3d& v) { return v.x() == v.y() && v.y() == v.z() ? v.x() : std::sqrt(v.squaredNorm() / 3.0); }
 
-/// What is missing to the initial sigma beside the in-run bias.
+/// The part of the initial sigma not covered by the in-run bias.
 double turn_on(double initial, double in_run) {
     return initial > in_run * (1.0 + 1e-9) ? std::sqrt(initial * initial - in_run * in_run) : 0.0;
 }
@@ -31,7 +31,7 @@ SettingList kfgins_settings(const io::KfGinsProject& p, const std::filesystem::p
     c.imu.file = relative_to(p.imu_path, file.parent_path());
     c.gnss.file = relative_to(p.gnss_path, file.parent_path());
     c.filter.vehicle = fusion::VehicleKind::Car;
-    c.nonholonomic = false;  // the project does not say what vehicle it is: the log must
+    c.nonholonomic = false;  // the project does not state the vehicle: the log must show it
     c.filter.aids.nonholonomic_auto = true;
     c.filter.earth.gravity = earth::GravityModel::KfGins;
     c.filter.earth.ellipsoid.w_ie = 7.2921151467e-5;
@@ -65,7 +65,7 @@ SettingList kfgins_settings(const io::KfGinsProject& p, const std::filesystem::p
     c.run.start = RunTime{p.start.seconds(), true};
     if (p.end) c.run.stop = RunTime{p.end->seconds(), true};
     SettingList list = config_table().used(c);
-    // what does not come from the project stays open for other settings to speak
+    // settings not from the project remain open for others
     std::erase_if(list, [](const Setting& s) {
         return s.key.starts_with("output.") || s.key == "filter.smooth" || s.key == "filter.mechanization" ||
                s.key == "imu.grade";

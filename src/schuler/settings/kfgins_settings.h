@@ -1,4 +1,4 @@
-// A KF-GINS project in the words of dataset.toml.
+// Conversion of a KF-GINS project to the settings of dataset.toml.
 #pragma once
 
 #include "schuler/io/solution/kfgins.h"
@@ -8,8 +8,8 @@
 
 namespace schuler::settings {
 
-/// The settings equivalent to the project: its files, noise model, initial state, lever arm and time span; the gravity
-/// series and rotation rate that its program uses; the constraint of wheels only where the log itself shows wheels.
+/// The settings equivalent to the project: its files, noise model, initial state, lever arm and time span; the gravity series and
+/// rotation rate of its program; the wheel constraint only if the log itself shows wheeled motion.
 /// `file` is the YAML file; files under its folder are named relative to it.
 [[nodiscard]] SettingList kfgins_settings(const io::KfGinsProject& project, const std::filesystem::path& file);
 

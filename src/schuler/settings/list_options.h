@@ -14,7 +14,7 @@
 
 namespace schuler::settings {
 
-/// Where one value of a table goes: number, count, text or list of texts.
+/// Target of one value of a table: number, count, text or list of texts.
 struct Entry {
     const char* name;
     double* number = nullptr;
@@ -42,7 +42,7 @@ inline void fill(const Value& v, const std::vector<Entry>& entries, const char* 
     }
 }
 
-/// How a table joins the list it is in, by default.
+/// Default way of adding a table to its list.
 struct Append {
     template <class T>
     void operator()(std::vector<T>& list, const T& item) const {
@@ -50,8 +50,8 @@ struct Append {
     }
 };
 
-/// A list of tables, each an Item. `at`: the list of a target; `entries`: where the values of an item go; `join`: puts an item into
-/// the list, or throws.
+/// A list of tables, each an Item. `at`: the list of a target; `entries`: the targets of an item's values; `join`: adds an item
+/// to the list, or throws.
 template <class Target, class Item, class At, class Entries, class Join = Append>
 Option<Target> list_of(const char* key, const char* form, const char* help, At at, Entries entries, Join join = {}) {
     return special<Target>(

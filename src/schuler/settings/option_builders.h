@@ -1,4 +1,4 @@
-// Makers of bound options: each takes an accessor `[](auto& target) -> auto& { return target.field; }` used for both directions.
+// Builders of bound options: each takes an accessor `[](auto& target) -> auto& { return target.field; }` for both directions.
 #pragma once
 
 #include "schuler/settings/option_table.h"
@@ -101,7 +101,7 @@ Option<Target> text(std::string key, std::string help, Access access) {
             }};
 }
 
-/// One of several names, each standing for a value of an enumeration.
+/// One of several names, each representing a value of an enumeration.
 template <class Target, class Enum, class Access>
 Option<Target> choice(std::string key, std::vector<std::pair<std::string, Enum>> names, std::string help, Access access) {
     OptionSpec s = detail::spec(std::move(key), Shape::Text, std::move(help));
@@ -139,7 +139,7 @@ Option<Target> vector3(std::string key, double factor, double low, double high, 
             }};
 }
 
-/// A table of texts, as `columns`: { height_m = "height_msl_m" }.
+/// A table of texts, such as `columns`: { height_m = "height_msl_m" }.
 template <class Target, class Access>
 Option<Target> text_map(std::string key, std::string help, Access access) {
     OptionSpec s = detail::spec(std::move(key), Shape::Table, std::move(help));
@@ -160,7 +160,7 @@ Option<Target> text_map(std::string key, std::string help, Access access) {
             }};
 }
 
-/// A table of numbers, as `scale`: { std_n_m = 0.001 }.
+/// A table of numbers, such as `scale`: { std_n_m = 0.001 }.
 template <class Target, class Access>
 Option<Target> number_map(std::string key, std::string help, Access access) {
     OptionSpec s = detail::spec(std::move(key), Shape::Table, std::move(help));
@@ -183,7 +183,7 @@ Option<Target> number_map(std::string key, std::string help, Access access) {
             }};
 }
 
-/// A value with a form of its own; `set` may throw input_error without a place, the table adds it.
+/// A value with a special form; `set` may throw input_error without a place, which is added by the table.
 template <class Target, class Set, class Get>
 Option<Target> special(std::string key, std::string form, std::string help, Set set, Get get) {
     OptionSpec s = detail::spec(std::move(key), Shape::Any, std::move(help));

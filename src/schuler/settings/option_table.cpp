@@ -9,7 +9,7 @@
 namespace schuler::settings {
 namespace {
 
-/// Optimal string alignment distance: insert, delete, replace, swap of neighbours.
+/// Optimal string alignment distance: insertion, deletion, replacement, transposition of neighbours.
 std::size_t distance(std::string_view a, std::string_view b) {
     std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
     for (std::size_t i = 0; i <= a.size(); ++i) d[i][0] = i;
@@ -29,7 +29,7 @@ std::string_view last_part(std::string_view key) {
     return dot == std::string_view::npos ? key : key.substr(dot + 1);
 }
 
-/// The same words up to abbreviation: latitude_deg and lat_deg.
+/// True for the same words up to abbreviation: latitude_deg and lat_deg.
 bool abbreviates(std::string_view a, std::string_view b) {
     while (!a.empty() && !b.empty()) {
         const std::string_view x = a.substr(0, a.find('_')), y = b.substr(0, b.find('_'));
@@ -51,7 +51,7 @@ std::string bare(std::string_view name) {
 
 void check_number(const OptionSpec& spec, const Value& value, const SourcePlace& place) {
     if (!value.is_number() || (spec.shape == Shape::Integer && value.integer() == nullptr)) {
-        if (value.text() != nullptr && place.file.starts_with("-"))  // a word of a command line
+        if (value.text() != nullptr && place.file.starts_with("-"))  // a word of the command line
             throw input_error(fmt::format("\"{}\" is not {}", *value.text(), accepted_form(spec)), place,
                               fmt::format("give {}", accepted_form(spec)));
         throw input_error(fmt::format("is {}, expected {}", kind_of(value), accepted_form(spec)), place,
@@ -124,7 +124,7 @@ void flatten_into(const ValueTable& table, const std::string& prefix, const std:
 }  // namespace
 
 std::string range_text(const OptionSpec& spec) {
-    constexpr double huge = 1e9;  // a bound that only keeps nonsense out is not worth a word
+    constexpr double huge = 1e9;  // a bound that merely excludes nonsense is not shown
     const bool low = spec.low > -huge, high = spec.high < huge;
     if (low && high) return fmt::format(" from {} to {}", spec.low, spec.high);
     if (low) return fmt::format(" of at least {}", spec.low);
@@ -194,7 +194,7 @@ std::string nearest_key(std::string_view key, const std::vector<std::string>& kn
     double best_cost = std::numeric_limits<double>::infinity();
     for (const std::string& candidate : known) {
         double cost = static_cast<double>(distance(key, candidate));
-        // the same name in another section, or without its unit: cheaper than the letters that differ
+        // the same name in another section, or without its unit: cheaper than the differing letters
         if (last_part(key) == last_part(candidate)) cost = std::min(cost, 2.5);
         if (abbreviates(key, candidate)) cost = std::min(cost, 2.25);
         if (candidate.size() > key.size() && candidate.starts_with(key) && candidate[key.size()] == '_')
@@ -235,7 +235,7 @@ SettingList flatten(const ValueTable& root, const std::string& file, const std::
 }
 
 std::string to_toml(const SettingList& settings, const std::vector<OptionSpec>& known, bool comments) {
-    // TOML wants keys without a section first and every section once
+    // TOML requires keys without a section first and every section once
     std::vector<std::string> sections{""};
     const auto section_of = [](const std::string& key) {
         return key.find('.') == std::string::npos ? std::string() : key.substr(0, key.find('.'));

@@ -1,4 +1,4 @@
-// One table of options for settings files, --set, help and the dump of what was used: key, unit, range, default, help, binding.
+// One table of options for settings files, --set, help and the dump of used settings: key, unit, range, default, help, binding.
 #pragma once
 
 #include "schuler/core/error.h"
@@ -18,21 +18,21 @@
 
 namespace schuler::settings {
 
-/// What a value must look like before its setter sees it.
+/// Required form of a value before its setter is called.
 enum class Shape { Number, Integer, Flag, Text, Numbers, Texts, Table, Tables, Any };
 
-/// How an option is written on a command line.
+/// Command line notation of an option.
 struct CommandLine {
     char letter = 0;  ///< -n beside --runs
     bool positional = false;
     bool required = false;
-    bool repeated = false;   ///< of Texts: once for each, instead of a list with commas
-    bool hidden = false;     ///< help leaves it out
-    bool file = false;       ///< it names a file or folder, or settings that may: no field of a form
-    std::string value_name;  ///< "T:DUR"; otherwise made of the unit
+    bool repeated = false;   ///< for Texts: repeated option instead of a list with commas
+    bool hidden = false;     ///< not shown by the help
+    bool file = false;       ///< it names a file or folder, or settings that may: not a form field
+    std::string value_name;  ///< "T:DUR"; otherwise derived from the unit
 };
 
-/// What an option is, whatever it sets.
+/// Description of an option, independent of its target.
 struct OptionSpec {
     std::string key;  ///< "imu.gyro_noise_deg_sqrt_h": section, name, unit
     Shape shape = Shape::Any;
@@ -40,28 +40,28 @@ struct OptionSpec {
     double low = -std::numeric_limits<double>::infinity();  ///< in the unit of the key
     double high = std::numeric_limits<double>::infinity();
     std::vector<std::string> choices;  ///< of a text, or of the items of a list; empty = any
-    bool any_spelling = false;         ///< choices in capitals too, and without their - and _
-    std::string form;                  ///< of Any, for people: "[roll, pitch, yaw] or \"estimate\""
+    bool any_spelling = false;         ///< choices are also accepted in capitals, and without their - and _
+    std::string form;                  ///< for Any, as readable text: "[roll, pitch, yaw] or \"estimate\""
     std::string help;                  ///< one sentence
-    std::string unit;                  ///< for people: "m/s"; taken from the key where that ends with a unit
+    std::string unit;                  ///< for display: "m/s"; taken from the key if that ends with a unit
     std::string applies;               ///< when it has an effect: "filter.scheme = \"separate\""; empty: always
-    std::string otherwise;             ///< what holds where it is not given and has no default value: "all"
-    CommandLine line;                  ///< how a command line writes it
+    std::string otherwise;             ///< effect of omitting an option that has no default value: "all"
+    CommandLine line;                  ///< command line notation
 };
 
-/// Throws Error(Input) at `place` where the value has not the shape, range or choice of the option.
+/// Throws Error(Input) at `place` if the value does not have the shape, range or choice of the option.
 void check_value(const OptionSpec& spec, const Value& value, const SourcePlace& place);
 
-/// "number from 0 to 10", "\"car\", \"air\" or \"ship\"": what the option accepts, for help and messages.
+/// "number from 0 to 10", "\"car\", \"air\" or \"ship\"": accepted values, for help and messages.
 [[nodiscard]] std::string accepted_form(const OptionSpec& spec);
 
-/// The known key nearest to a misspelt one (optimal string alignment distance; a missing unit suffix costs little), or "".
+/// The known key nearest to a misspelt one (optimal string alignment distance; a missing unit suffix has a low cost), or "".
 [[nodiscard]] std::string nearest_key(std::string_view key, const std::vector<std::string>& known);
 
-/// " from 0 to 10", " of at least 0"; empty where there is no limit worth a word.
+/// " from 0 to 10", " of at least 0"; empty if there is no relevant limit.
 [[nodiscard]] std::string range_text(const OptionSpec& spec);
 
-/// The number whose product with `factor` is exactly `si` where there is one, in as few digits as that needs.
+/// The number whose product with `factor` is exactly `si` if there is one, in the fewest digits required.
 [[nodiscard]] double in_unit(double si, double factor);
 
 /// Flattens nested tables to dotted keys. A table that is itself the value of a known key stays whole.
@@ -73,10 +73,10 @@ template <class Target>
 struct Option {
     OptionSpec spec;
     std::function<void(Target&, const Value&)> set;          ///< the value has passed check_value
-    std::function<std::optional<Value>(const Target&)> get;  ///< nothing: not set and without a default
+    std::function<std::optional<Value>(const Target&)> get;  ///< empty: not set and without a default
 };
 
-/// All options of one kind of settings file, in the order in which they are applied, listed and dumped.
+/// All options of one kind of settings file, in the order of application, listing and dump.
 template <class Target>
 class OptionTable {
 public:
@@ -116,7 +116,7 @@ public:
     [[nodiscard]] SettingList read(const ValueTable& root, const std::string& file) const { return flatten(root, file, specs_); }
 
     /// Applies settings in the order of the table (so that a grade comes before the numbers that refine it), the last one of
-    /// each key only. @throws Error(Input) naming the setting's place.
+    /// each key only. @throws Error(Input) with the place of the setting.
     void apply(const SettingList& settings, Target& target) const {
         for (const auto& option : options_) {
             const Setting* last = nullptr;
@@ -129,7 +129,7 @@ public:
                 option.set(target, last->value);
             } catch (const Error& e) {
                 if (!e.place().file.empty()) throw;
-                SourcePlace place = last->place;  // or a place within the value, where the setter names one
+                SourcePlace place = last->place;  // or a place within the value, if named by the setter
                 if (e.place().line > 0) place.line = e.place().line;
                 if (e.place().key.starts_with(place.key)) place.key = e.place().key;
                 throw Error(e.kind(), e.reason(), place, e.hint());
@@ -137,7 +137,7 @@ public:
         }
     }
 
-    /// Every option that has a value, as settings in the order of the table.
+    /// Every option with a value, as settings in the order of the table.
     [[nodiscard]] SettingList used(const Target& target) const {
         SettingList out;
         for (const auto& option : options_) {
@@ -154,7 +154,7 @@ private:
 /// Settings as TOML text, grouped in [sections]; `comments` adds the help of each option.
 [[nodiscard]] std::string to_toml(const SettingList& settings, const std::vector<OptionSpec>& known, bool comments);
 
-/// A listing for people: key, what it accepts, default, help; `prefix` limits it to a section.
+/// A readable listing: key, accepted values, default, help; `prefix` limits it to a section.
 [[nodiscard]] std::string listing(const std::vector<OptionSpec>& known, const SettingList& defaults, std::string_view prefix);
 
 }  // namespace schuler::settings

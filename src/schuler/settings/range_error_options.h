@@ -1,4 +1,4 @@
-// Options of the errors of ranges and of the receiver's clock, the same for data sets (what the filter assumes) and scenarios.
+// Options of the errors of ranges and of the receiver's clock, the same for data sets (as assumed by the filter) and scenarios.
 #pragma once
 
 #include "schuler/sensor/range_errors.h"

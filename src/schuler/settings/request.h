@@ -11,7 +11,7 @@
 
 namespace schuler::settings {
 
-/// Common part of the requests of all commands that fuse data. `above` are the settings of the command line, which override all others.
+/// Common part of the requests of all commands that process data. `above` are the command line settings, which override all others.
 struct ProcessRequest {
     std::filesystem::path input;   ///< data set or scenario
     std::filesystem::path output;  ///< folder; empty: out/NAME
@@ -21,11 +21,11 @@ struct ProcessRequest {
     std::string version;
     std::function<void(double)> progress;  ///< may be empty
 
-    /// All settings of the run: those of the data set, over them --config, over them `above`.
+    /// All settings of the run: those of the data set, overridden by --config, then by `above`.
     [[nodiscard]] SettingList over(const SettingList& base) const;
     [[nodiscard]] std::filesystem::path folder_for(const std::string& name) const;
 
-    /// Whether one coupling is requested (`--scheme`, `filter.scheme` in --config): it then replaces a scenario's `[compare]`.
+    /// True if one coupling is requested (`--scheme`, `filter.scheme` in --config): it then replaces a scenario's `[compare]`.
     [[nodiscard]] bool names_a_scheme() const;
 };
 

@@ -13,14 +13,14 @@
 namespace schuler::settings {
 namespace {
 
-constexpr std::uintmax_t largest_file = 16u << 20;  // a settings file beyond this is something else
+constexpr std::uintmax_t largest_file = 16u << 20;  // a larger file is not a settings file
 
 Value convert(const toml::node& node);
 
 ValueTable convert_table(const toml::table& table) {
     ValueTable out;
     for (const auto& [key, node] : table) out.emplace_back(std::string(key.str()), convert(node));
-    // toml++ sorts by name; the order of the file is what a reader of the messages expects
+    // toml++ sorts by name; readers of the messages expect the order of the file
     std::stable_sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.second.line < b.second.line; });
     return out;
 }
@@ -51,7 +51,7 @@ Value convert(const toml::node& node) {
     }
 }
 
-/// Where `text` goes on behind the string that begins at `at`: a basic or a literal one, of one line or of several. An unclosed one ends with the text.
+/// Position in `text` after the string that begins at `at`: basic or literal, single- or multi-line. An unclosed one ends with the text.
 std::size_t after_string(std::string_view text, std::size_t at) {
     const char quote = text[at];
     const std::string_view fence = text.substr(at, 3);
@@ -65,8 +65,8 @@ std::size_t after_string(std::string_view text, std::size_t at) {
     return text.size();
 }
 
-/// The parser descends a level for each part of a dotted key, however many there are: a stack overflow for a hostile file.
-/// @throws Error(Input) where a key has more than `most_parts` parts
+/// The parser recurses for each part of a dotted key, without limit: a stack overflow for a hostile file.
+/// @throws Error(Input) if a key has more than `most_parts` parts
 void check_dotted_keys(std::string_view text, const std::string& origin) {
     constexpr int most_parts = 32;  // settings have four
     int dots = 0;

@@ -5,7 +5,7 @@
 namespace schuler::settings {
 namespace {
 
-// Longer endings before those that they end with.
+// Longer endings before their own suffixes.
 constexpr auto endings = std::to_array<KeyUnit>({
     {"bias_walk_m", "m/sqrt(s)", "m/√s"},
     {"bias_walk_deg", "deg/sqrt(s)", "°/√s"},

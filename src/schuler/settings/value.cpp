@@ -37,7 +37,7 @@ std::string number_text(double x) {
     return text;
 }
 
-/// A number that takes more digits than anybody has set is one in another unit.
+/// A number with more digits than a user would give was converted from another unit.
 std::string rounded_text(double x) {
     constexpr std::ptrdiff_t most = 12;
     const std::string text = number_text(x);
@@ -51,7 +51,7 @@ bool bare_key(const std::string& key) {
 }
 
 struct Writer {
-    bool rounded = false;  ///< numbers in six digits
+    bool rounded = false;  ///< numbers with six digits
 
     std::string operator()(bool b) const { return b ? "true" : "false"; }
     std::string operator()(std::int64_t i) const { return fmt::format("{}", i); }

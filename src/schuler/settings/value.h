@@ -1,4 +1,4 @@
-// A value of a settings file, independent of the file's syntax: what TOML, --set and other programs' configurations become.
+// A value of a settings file, independent of the file's syntax: common form for TOML, --set and other programs' configurations.
 #pragma once
 
 #include "schuler/core/error.h"
@@ -17,13 +17,13 @@ struct NamedValue;
 using ValueList = std::vector<Value>;
 using ValueTable = std::vector<NamedValue>;
 
-/// One value; numbers keep whether they were written as integers. Dates are text (2025-07-08).
+/// One value; numbers preserve whether they were written as integers. Dates are text (2025-07-08).
 struct Value {
     std::variant<bool, std::int64_t, double, std::string, ValueList, ValueTable> data;
-    long line = 0;  ///< 1-based, 0 where there is no file
+    long line = 0;  ///< 1-based, 0 if there is no file
 
     [[nodiscard]] bool is_number() const { return data.index() == 1 || data.index() == 2; }
-    [[nodiscard]] double number() const;  ///< of an integer or a floating number
+    [[nodiscard]] double number() const;  ///< for an integer or a floating number
     [[nodiscard]] const bool* flag() const { return std::get_if<bool>(&data); }
     [[nodiscard]] const std::int64_t* integer() const { return std::get_if<std::int64_t>(&data); }
     [[nodiscard]] const std::string* text() const { return std::get_if<std::string>(&data); }
@@ -51,10 +51,10 @@ using SettingList = std::vector<Setting>;
 /// "a number", "text", "a list", ...: for messages.
 [[nodiscard]] std::string_view kind_of(const Value& value);
 
-/// The value as TOML writes it, numbers in the fewest digits that read back the same.
+/// The value in TOML syntax, numbers in the fewest digits that read back identically.
 [[nodiscard]] std::string to_toml(const Value& value);
 
-/// The same for people: numbers that need more than twelve digits in six.
+/// The same for display: numbers that need more than twelve digits are shown with six.
 [[nodiscard]] std::string shown(const Value& value);
 
 }  // namespace schuler::settings

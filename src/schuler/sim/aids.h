@@ -1,4 +1,4 @@
-// Gauges of height, a log of velocity in body axes and a compass along a truth path.
+// Height gauges, a body-axis velocity log and a compass along a truth path.
 #pragma once
 
 #include "schuler/core/aid_samples.h"
@@ -11,13 +11,13 @@
 
 namespace schuler::sim {
 
-/// Rates in Hz, 0: none. Constant errors are drawn once a run, one sigma; white ones at every sample.
+/// Rates in Hz, 0: none. Constant errors are drawn once per run, one sigma; white ones at every sample.
 struct GaugeErrors {
     double rate = 0.0;
-    double white = 0.05, bias = 0.0;                                     ///< m; a bias for each gauge
+    double white = 0.05, bias = 0.0;                                     ///< m; a separate bias for each gauge
     std::vector<Eigen::Vector3d> lever_arms_b{Eigen::Vector3d::Zero()};  ///< IMU to gauge, one to three, m
 };
-/// The log shows (1 + scale) (v + misalignment x v), misaligned about the right and down axes.
+/// The log measures (1 + scale) (v + misalignment x v), misaligned about the right and down axes.
 struct LogErrors {
     double rate = 0.0;
     double white = 0.01;                                    ///< m/s
@@ -34,7 +34,7 @@ struct AidErrors {
     CompassErrors compass;
 };
 
-/// The samples from time zero on. @throws Error(Input) naming the setting that is unusable.
+/// The samples from time zero on. @throws Error(Input) that names the invalid setting.
 [[nodiscard]] AidLog simulate_aids(const AidErrors& errors, const earth::Earth& earth, const TruthPath& path, double duration,
                                    Time origin, std::uint64_t seed);
 

@@ -22,7 +22,7 @@ bool is_random(AnomalyPart::Kind kind) {
     return kind == AnomalyPart::Kind::GaussMarkov1 || kind == AnomalyPart::Kind::GaussMarkov2;
 }
 
-/// A stationary process of unit correlation length, exact at the points: value and slope for the second order.
+/// A stationary process of unit correlation length, exact at the points: value, and slope for the second order.
 std::vector<Vector3d> drawn(const AnomalyPart& part, double extent, math::Random random) {
     const auto count = static_cast<std::size_t>(std::ceil(points_a_length * extent / part.length)) + 2;
     const double d = 1.0 / points_a_length, fall = std::exp(-d);
@@ -38,7 +38,7 @@ std::vector<Vector3d> drawn(const AnomalyPart& part, double extent, math::Random
     }
     Eigen::Matrix2d Phi;
     Phi << (1.0 + d) * fall, d * fall, -d * fall, (1.0 - d) * fall;
-    // Q(0, 0) is of the order d^3 = 4e-6 and less what the second entry explains still 1e-6: ten digits are left of it.
+    // Q(0, 0) is of the order d^3 = 4e-6 and, minus the part explained by the second element, 1e-6: ten digits remain.
     const Eigen::Matrix2d Q = Eigen::Matrix2d::Identity() - Phi * Phi.transpose();
     const double square_root_11 = std::sqrt(Q(1, 1)), ratio = Q(0, 1) / square_root_11;
     const double square_root_00 = std::sqrt(std::max(0.0, Q(0, 0) - ratio * ratio));
@@ -52,7 +52,7 @@ std::vector<Vector3d> drawn(const AnomalyPart& part, double extent, math::Random
     return values;
 }
 
-/// Between points that are one apart; beyond the ends, those.
+/// Interpolates between points of unit spacing; constant beyond the ends.
 Vector3d between(const std::vector<Vector3d>& points, double place) {
     place = std::clamp(place, 0.0, static_cast<double>(points.size() - 1));
     const auto left = std::min(static_cast<std::size_t>(place), points.size() - 2);

@@ -1,4 +1,4 @@
-// Disturbance of gravity along a track: what a gravimetric survey is simulated over.
+// Gravity disturbance along a track, for the simulation of gravimetric surveys.
 #pragma once
 
 #include "schuler/sim/path.h"
@@ -11,7 +11,7 @@
 
 namespace schuler::sim {
 
-/// One part of the disturbance, a function of the distance along the track (m), or of time (s) where `by_time`.
+/// One part of the disturbance, a function of the distance along the track (m), or of time (s) if `by_time`.
 struct AnomalyPart {
     enum class Kind {
         Constant,      ///< size
@@ -28,18 +28,18 @@ struct AnomalyPart {
     bool by_time = false;
 };
 
-/// A field over the ground: north, east, down, m/s^2, at a place.
+/// A field over the ground: north, east, down, m/s^2, at a position.
 using GroundField = std::function<Eigen::Vector3d(const Geodetic&)>;
 
-/// The sum of parts, and of a field under the path. Immutable; random parts are drawn once, at 64 points a length, joined by
-/// straight lines.
+/// The sum of parts, and of a field under the path. Immutable; random parts are drawn once, at 64 points per correlation length,
+/// with linear interpolation.
 class AnomalyTrack {
 public:
-    /// extent: how far the track goes (m), duration: how long (s). The same seed gives the same track; a part keeps its numbers
-    /// when others are added behind it. @throws Error(Input) naming the value that is unusable.
+    /// extent: length of the track (m), duration (s). The same seed gives the same track; a part keeps its numbers when others
+    /// are added after it. @throws Error(Input) that names the invalid value.
     AnomalyTrack(std::vector<AnomalyPart> parts, double extent, double duration, std::uint64_t seed);
 
-    /// The same with a field, which is looked at once a second along the path.
+    /// The same with a field, which is evaluated once per second along the path.
     AnomalyTrack(std::vector<AnomalyPart> parts, const GroundField& field, const TruthPath& path, double duration,
                  std::uint64_t seed);
 
@@ -52,10 +52,10 @@ private:
         std::vector<Eigen::Vector3d> values;  ///< of a random part
     };
     std::vector<Drawn> parts_;
-    std::vector<Eigen::Vector3d> under_path_;  ///< of the field, at whole seconds; empty: there is none
+    std::vector<Eigen::Vector3d> under_path_;  ///< of the field, at whole seconds; empty: none
 };
 
-/// Length of the path, m, from the speed over the ellipsoid once a second.
+/// Length of the path, m, from the speed over the ellipsoid once per second.
 [[nodiscard]] double distance_along(const TruthPath& path, double duration);
 
 }  // namespace schuler::sim

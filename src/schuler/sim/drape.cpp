@@ -1,4 +1,4 @@
-// A route's heights over the ground.
+// Heights of a route over the ground.
 #include "schuler/core/error.h"
 #include "schuler/sim/route.h"
 
@@ -20,7 +20,7 @@ std::vector<double> highest_within(const std::vector<double>& x, std::size_t rea
     return out;
 }
 
-/// Mean over `reach` points to either side; beyond the ends the last value goes on.
+/// Mean over `reach` points to either side; the last value is continued beyond the ends.
 std::vector<double> mean_within(const std::vector<double>& x, std::size_t reach) {
     const auto at = [&x](std::ptrdiff_t i) {
         return x[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(i, 0, std::ssize(x) - 1))];
@@ -49,11 +49,11 @@ void drape(RoutePlan& plan, const Drape& s, const LocalChart& chart) {
     for (std::size_t i = 0; i < h.size(); ++i)
         h[i] = s.ground(chart.origin.lat + chart.lat_per_m * plan.north[i], chart.origin.lon + chart.lon_per_m * plan.east[i]) +
                s.clearance - chart.origin.h;
-    // The lowest curve above the ground that is nowhere steeper.
+    // The lowest curve above the ground that is nowhere steeper than permitted.
     const double rise = s.slope * plan.length_spacing;
     for (std::size_t i = 1; i < h.size(); ++i) h[i] = std::max(h[i], h[i - 1] - rise);
     for (std::size_t i = h.size() - 1; i-- > 0;) h[i] = std::max(h[i], h[i + 1] - rise);
-    // A mean of the highest values around is not below the value itself. The spline that follows spreads three points.
+    // The mean of the highest neighbouring values is not below the value itself. The subsequent spline spreads over three points.
     const auto reach = static_cast<std::size_t>(std::lround(0.25 * s.smoothing / plan.length_spacing));
     plan.up = mean_within(mean_within(highest_within(h, 2 * reach + 3), reach), reach);
 }

@@ -1,4 +1,4 @@
-// What goes wrong with one channel of a scenario at a time.
+// Faults of one channel of a scenario as functions of time.
 #pragma once
 
 #include "schuler/math/random.h"
@@ -13,7 +13,7 @@ public:
     ChannelFaults(const Scenario& scenario, Channel channel);
 
     /// Error of the position (receiver: north, east, down) or of the height (barometer: the first component) at t seconds. Draws
-    /// noise: call it once a sample.
+    /// noise: must be called once per sample.
     [[nodiscard]] Eigen::Vector3d offset(double t);
     /// Error of the receiver's velocity.
     [[nodiscard]] Eigen::Vector3d velocity_offset(double t) const;
@@ -22,7 +22,7 @@ public:
     [[nodiscard]] bool any(FaultKind kind, double t) const;
 
 private:
-    std::vector<Fault> faults_;  ///< of the channel, directions made unit vectors
+    std::vector<Fault> faults_;  ///< of the channel, directions normalised to unit vectors
     math::Random random_;
 };
 

@@ -63,7 +63,7 @@ RoutePath takeoff_route(const FlightPhase& s) {
     route.standstill = s.standstill;
     const double unstick = 0.5 * s.speed, climb = s.height_change;
     const double runway = std::max(500.0, 0.6 * unstick * unstick / route.longitudinal_accel);
-    // Path angle of about 4 degrees to a third of the height, then flatter and faster; level flight for as long as is asked for.
+    // Path angle of about 4 degrees to a third of the height, then flatter and faster; level flight for the requested duration.
     Pilot(route, s.heading)
         .fly(runway, 0.0, unstick)
         .fly(std::max(14.0 * climb / 3.0, 4.0 * route.corner_radius), climb / 3.0, 0.7 * s.speed)
@@ -97,13 +97,13 @@ RoutePath approach_route(const FlightPhase& s) {
     const double base = 3.0 * route.corner_radius, touchdown = 0.6 * s.speed;
     const double glide = s.height_change / std::tan(3.0 * std::numbers::pi / 180.0);
     const double stop = touchdown * touchdown / (2.0 * route.longitudinal_accel);
-    // Against the landing direction, across, then down a glide path of three degrees to the runway and to rest on it.
+    // Downwind, base, then a glide path of three degrees to the runway and the landing run.
     Pilot(route, s.heading)
         .fly(glide + base, 0.0, s.speed)
         .turn(right_angle)
         .fly(base, 0.0, 0.8 * s.speed)
         .turn(right_angle)
-        .fly(glide + route.corner_radius, -s.height_change, touchdown)  // the turn takes a radius of the leg
+        .fly(glide + route.corner_radius, -s.height_change, touchdown)  // the turn uses a radius of the leg
         .fly(std::max(1.2 * stop, 600.0), 0.0, touchdown);
     return route;
 }

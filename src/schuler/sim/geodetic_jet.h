@@ -41,7 +41,7 @@ template <int N>
     return {m.north * derivative(p.lat), m.east * derivative(p.lon), derivative(p.h)};
 }
 
-/// Roll, pitch, heading with their rates.
+/// Roll, pitch, heading and their rates.
 struct AttitudeJet {
     Jet<1> roll, pitch, heading;
 };

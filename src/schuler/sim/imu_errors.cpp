@@ -16,7 +16,7 @@ void GaussMarkov::relax(double times) {
 }
 
 Flicker::Flicker(double instability, std::uint64_t seed, const std::string& channel) {
-    // Times r apart of equal variance s^2 have the density s^2 / (2 f ln r): s^2 = B^2 ln r / pi.
+    // Time constants a factor r apart with equal variance s^2 give the density s^2 / (2 f ln r): s^2 = B^2 ln r / pi.
     constexpr double ratio = 4.0, shortest = 0.1, longest = 1e5;
     if (!(instability > 0.0)) return;
     const Eigen::Vector3d sigma = Eigen::Vector3d::Constant(instability * std::sqrt(std::log(ratio) / std::numbers::pi));

@@ -1,4 +1,4 @@
-// Truncated Taylor series in time: exact derivatives of truth paths by arithmetic on values that carry them.
+// Truncated Taylor series in time: exact derivatives of truth paths by arithmetic on series.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@ struct Jet {
     std::array<double, N + 1> c{};
 
     Jet() = default;
-    Jet(double constant) { c[0] = constant; }  // NOLINT: constants mix freely with jets
+    Jet(double constant) { c[0] = constant; }  // NOLINT: implicit conversion of constants
 
     /// The independent variable at t.
     [[nodiscard]] static Jet variable(double t) {
@@ -66,7 +66,7 @@ struct Jet {
     }
 };
 
-/// Time derivative, known to one order less.
+/// Time derivative, of one order less.
 template <int N>
 [[nodiscard]] Jet<N - 1> derivative(const Jet<N>& a) {
     Jet<N - 1> d;
@@ -119,7 +119,7 @@ template <int N>
     return angle;
 }
 
-/// f(u) where f is known by its Taylor series about the value of u.
+/// f(u) for f given by its Taylor series about the value of u.
 template <int N>
 [[nodiscard]] Jet<N> compose(const Jet<N>& f, Jet<N> u) {
     u.c[0] = 0.0;

@@ -78,7 +78,7 @@ private:
     LocalChart chart_;
 };
 
-/// At a place, turned by one move after the other: each speeds up and slows down smoothly and is constant in between.
+/// At a fixed position, rotated by successive moves: each starts and stops smoothly with constant rate in between.
 class Table final : public TruthPath {
 public:
     explicit Table(const TablePath& s) : s_(s) {
@@ -107,7 +107,7 @@ public:
     }
 
 private:
-    /// Part of a move that is done after `since` of its `duration` seconds.
+    /// Fraction of a move completed after `since` of its `duration` seconds.
     static Jet<1> done(double duration, double since) {
         if (since >= duration) return 1.0;
         const double ramp = std::min(1.0, 0.5 * duration), whole = duration - ramp;

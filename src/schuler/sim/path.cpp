@@ -48,7 +48,7 @@ public:
         require(std::isfinite(s.speed) && s.speed > 0.0, "trajectory.speed_m_s", "the speed is not positive",
                 "use type = \"static\" for a body at rest");
         const Eigen::Matrix3d C_en = earth::C_en(s.start.lat, s.start.lon);
-        // Turn of the normal that gives the wanted speed at the start: v_N = (R_M + h) times its north part, v_E likewise.
+        // Rotation of the normal for the desired speed at the start: v_N = (R_M + h) times its north component, v_E likewise.
         const earth::Radii r = earth::radii(ellipsoid, s.start.lat);
         const Eigen::Vector3d turn(s.speed * std::cos(s.heading) / (r.meridian + h_),
                                    s.speed * std::sin(s.heading) / (r.prime_vertical + h_), 0.0);
@@ -139,7 +139,7 @@ std::unique_ptr<const TruthPath> make_path(const PathSettings& settings, const e
 }
 
 void require_above_ground(const TruthPath& path, double duration, double ground) {
-    constexpr double allowed = 0.5;  // m: paths that touch the ground do
+    constexpr double allowed = 0.5;  // m: tolerance for paths on the ground
     for (double t = 0.0; t <= duration; t += std::max(1.0, 1e-4 * duration)) {
         const double h = path.at(t).position.h;
         if (h < ground - allowed)

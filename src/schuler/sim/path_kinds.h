@@ -1,4 +1,4 @@
-// The kinds of paths behind make_path, and what several of them share.
+// The kinds of paths behind make_path, and their common parts.
 #pragma once
 
 #include "schuler/sim/geodetic_jet.h"
@@ -22,7 +22,7 @@ struct LocalChart {
     }
 };
 
-/// The x axis along the velocity, which must not vanish; banked in proportion to the sideways acceleration.
+/// The x axis along the velocity, which must not vanish; banked in proportion to the lateral acceleration.
 [[nodiscard]] Kinematics moving_along(const earth::Ellipsoid& ellipsoid, const GeodeticJet<3>& position,
                                       double roll_per_lateral_accel);
 

@@ -24,7 +24,7 @@ void check(const RangingSettings& s) {
     require(s.multipath.period > 0.0, "ranges.multipath_period_s", "is not positive", "give seconds");
 }
 
-/// One source of ranges with its own slow error and streams.
+/// One source of ranges with its own slow error and random streams.
 struct Source {
     Transmitter transmitter;
     sensor::RangeErrorModel errors;
@@ -85,11 +85,11 @@ public:
 
 private:
     void measure(Source& source, double t, double bias, double drift, double network, RangingLog& log) {
-        // every stream advances whatever is in view, so that hiding one satellite leaves the others' numbers as they were
+        // every stream advances regardless of visibility, so that masking one satellite leaves the others' numbers unchanged
         const double white = source.white.normal(), rate_noise = source.rate.normal();
         const Transmitter& from = source.transmitter;
         if (!lines_.allowed(from)) return;
-        const double instant = t - bias / c;  // true time when the receiver's clock shows t
+        const double instant = t - bias / c;  // true time at which the receiver's clock shows t
         const auto p = lines_.to(from, instant);
         if (!p || !lines_.above_masks(from, *p, instant) || lines_.silent(from, t)) return;
         constexpr double h = 0.05;
@@ -112,7 +112,7 @@ private:
                        source.errors.rate * rate_noise + fault_rate;
         if (!from.satellite) {
             m.pseudorange += network;
-            m.range_rate = RangeSample::none;  // extended squitter carries none
+            m.range_rate = RangeSample::none;  // not transmitted in extended squitters
         } else {
             m.frequency = gnss::frequency_of(from.satellite->system, '1');
         }

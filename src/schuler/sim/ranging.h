@@ -1,4 +1,4 @@
-// Pseudoranges and range rates along a truth path: satellites and ground stations, their errors, what hides and what spoils them.
+// Pseudoranges and range rates along a truth path: satellites and ground stations, their errors, masks and faults.
 #pragma once
 
 #include "schuler/core/ranging.h"
@@ -15,7 +15,7 @@
 
 namespace schuler::sim {
 
-/// A ground station of surveyed place that sends at known times.
+/// A ground station of surveyed position that transmits at known times.
 struct GroundStation {
     std::string name;
     Geodetic position;
@@ -27,16 +27,16 @@ struct Blocking {
     double start = 0.0, duration = 1e9;
 };
 
-/// From `start` on only some of the satellites in view. Up to four are taken from the four of least PDOP in the middle of the scenario,
-/// the highest first: three leave out number `variant` mod 4, two are pair `variant` mod 6, one is number `variant` mod 4. More than
-/// four: the highest.
+/// From `start` on only some of the satellites in view. Up to four are taken from the four of least PDOP at the middle of the
+/// scenario, the highest first: with three, number `variant` mod 4 is omitted; two are pair `variant` mod 6; one is number
+/// `variant` mod 4. More than four: the highest.
 struct SatelliteLimit {
     double start = 0.0;
     std::size_t keep = 4;
     std::size_t variant = 0;
 };
 
-/// A pseudorange that is wrong: offset + ramp (t - start); its rate by `ramp` and `rate`.
+/// A wrong pseudorange: error offset + ramp (t - start); the error of its rate is given by `ramp` and `rate`.
 struct RangeFault {
     std::string source;
     double start = 0.0, duration = 1e9;  ///< s
@@ -44,13 +44,13 @@ struct RangeFault {
     double ramp = 0.0, rate = 0.0;       ///< m/s
 };
 
-/// Reflections: amplitude cos(elevation) sin(2 pi t/period + phase), a phase for each source.
+/// Multipath: amplitude cos(elevation) sin(2 pi t/period + phase), with a separate phase for each source.
 struct Multipath {
     double amplitude = 0.0;  ///< m
     double period = 60.0;    ///< s
 };
 
-/// What hides satellites: an elevation mask, one that changes with azimuth, one of the antenna's own plane.
+/// Satellite masks: an elevation mask, one that varies with azimuth, one relative to the antenna plane.
 struct Masks {
     double elevation = 0.13089969389957470;  ///< rad (7.5 degrees)
     bool throughout = false;                 ///< only satellites above `elevation` during the whole scenario
@@ -58,7 +58,7 @@ struct Masks {
         double azimuth, elevation;  ///< rad: from this azimuth to the next sector's
     };
     std::vector<Sector> terrain;    ///< in order of azimuth, 0 to 2 pi; empty: flat
-    std::optional<double> antenna;  ///< rad above the antenna's plane (body axes), for a vehicle that banks
+    std::optional<double> antenna;  ///< rad above the antenna's plane (body axes), for a banking vehicle
 };
 
 struct RangingSettings {
@@ -75,7 +75,7 @@ struct RangingSettings {
     bool atmosphere = false;  ///< troposphere, and the ionosphere of the navigation data's coefficients
 };
 
-/// The frame of the simulation: what simulate() and the ranges share.
+/// The frame of the simulation, shared by simulate() and the ranges.
 struct RangingScenario {
     std::uint64_t seed = 1;
     double duration = 600.0;  ///< s
@@ -84,7 +84,7 @@ struct RangingScenario {
     earth::Earth earth;
 };
 
-/// Clock and offset at each epoch, for judging the filter.
+/// Clock and offset at each epoch, for evaluation of the filter.
 struct RangingTruth {
     Time time;
     double clock, drift;  ///< m, m/s
@@ -93,12 +93,12 @@ struct RangingTruth {
 
 struct SimulatedRanges {
     RangingLog log;
-    std::vector<RangingTruth> truth;  ///< one an epoch
+    std::vector<RangingTruth> truth;  ///< one per epoch
 };
 
-/// Ranges at k/rate, k = 1, 2, ..., by the receiver's clock. Light time is iterated on the path and the orbits themselves, range rates are
-/// differences of the ranges; no formula of the filter's rows is used. Each error has a random stream of its own.
-/// @throws Error(Input) naming the setting that is unusable.
+/// Ranges at k/rate, k = 1, 2, ..., by the receiver's clock. Light time is iterated on the path and the orbits themselves, range
+/// rates are differences of the ranges; none of the filter's row formulas is used. Each error has a separate random stream.
+/// @throws Error(Input) that names the invalid setting.
 [[nodiscard]] SimulatedRanges simulate_ranges(const RangingScenario& scenario, const TruthPath& path,
                                               const RangingSettings& settings);
 

@@ -64,7 +64,7 @@ std::vector<GnssFix> simulate_gnss(const Scenario& scenario, const TruthPath& pa
             slow_position.relax(slow.position_decay(ground_speed) / s.rate);
             slow_velocity.advance(1.0 / s.rate);
         }
-        // Drawn in outages too: withholding fixes must not change the ones that remain.
+        // Drawn in outages too: withholding fixes must not change the remaining ones.
         Eigen::Vector3d dr = s.white_position.cwiseProduct(white_position.normal3());
         Eigen::Vector3d dv = s.white_velocity.cwiseProduct(white_velocity.normal3());
         if (next_change != s.constellation_changes.end() && *next_change <= t + 1e-9) {
@@ -78,7 +78,7 @@ std::vector<GnssFix> simulate_gnss(const Scenario& scenario, const TruthPath& pa
         dv += slow_velocity.value() + faults.velocity_offset(t);
         if (silent(scenario, Channel::Gnss, t) || faults.any(FaultKind::Dropout, t)) continue;
         const double at_position = t - s.position_latency, at_velocity = t - s.velocity_latency;
-        if (std::min(at_position, at_velocity) < -1e-9) continue;  // of before the flight
+        if (std::min(at_position, at_velocity) < -1e-9) continue;  // before the start of the flight
         const PointMotion point = point_motion(scenario.earth, path.at(at_position), s.lever_arm_b);
         const PointMotion moving =
             at_velocity == at_position ? point : point_motion(scenario.earth, path.at(at_velocity), s.lever_arm_b);
@@ -118,7 +118,7 @@ std::vector<BaroSample> simulate_baro(const Scenario& scenario, const TruthPath&
         BaroSample sample;
         sample.time = scenario.origin + Duration::from_seconds(t);
         const double h = path.at(t).position.h;
-        double weather = 0.0;  // what the day's air adds to the height of the standard atmosphere
+        double weather = 0.0;  // difference of the day's air from the height of the standard atmosphere
         if (s.pressure) {
             const auto pressure = [&s](double height) {
                 return earth::static_pressure(earth::geopotential_from_geometric(height), s.sea_level_pressure,

@@ -1,4 +1,4 @@
-// A recorded trajectory flown again: smooth, exact, near the recording.
+// A recorded trajectory as a path: smooth, exact, near the recording.
 #include "schuler/core/error.h"
 #include "schuler/earth/ellipsoid.h"
 #include "schuler/math/rotation.h"
@@ -41,10 +41,10 @@ void check(const RecordedPath& s) {
                    "trajectory.file", "give a longer one, or a smaller trajectory.smoothing_s");
 }
 
-/// Angle nearest to `before` of those that differ by whole turns.
+/// The angle nearest to `before` among those that differ by whole turns.
 double unwrapped(double angle, double before) { return before + math::wrap_pi(angle - before); }
 
-/// The points at equal intervals, in straight lines between those recorded.
+/// The points at equal intervals, interpolated linearly between the recorded ones.
 Channels gridded(const RecordedPath& s) {
     Channels out;
     const RecordedPoint& first = s.points.front();
@@ -70,9 +70,9 @@ Channels gridded(const RecordedPath& s) {
     return out;
 }
 
-/// Attitude of a body that moves along its x axis, banked in its turns, where the recording has none.
+/// Attitude of a body that moves along its x axis, banked in turns, if not in the recording.
 void add_attitude(Channels& c, const RecordedPath& s, const earth::Ellipsoid& ellipsoid) {
-    constexpr double least_move = 0.5;  // m between two points, below which the course is not known
+    constexpr double least_move = 0.5;  // m between two points, below which the course is unknown
     double course = 0.0;
     bool known = false;
     for (std::size_t k = 0; k < c[0].size(); ++k) {
@@ -92,10 +92,10 @@ void add_attitude(Channels& c, const RecordedPath& s, const earth::Ellipsoid& el
     }
 }
 
-/// Points that the splines get beyond either end.
+/// Additional spline points beyond either end.
 constexpr int margin = 3;
 
-/// Straight on beyond both ends: a recording that begins or ends in motion does so without a jolt.
+/// Linear continuation beyond both ends: a recording that starts or ends in motion does so without a jerk.
 std::vector<double> continued(const std::vector<double>& c) {
     std::vector<double> out;
     out.reserve(c.size() + 2 * margin);

@@ -39,7 +39,7 @@ Kinematics Route::at(double t) const {
     const Jet<3> speed = derivative(length);
 
     GeodeticJet<3> p = chart_.at<3>(compose(n.to<3>(), u), compose(e.to<3>(), u), compose(h.to<3>(), u));
-    // The direction of travel is the tangent of the curve, defined at rest too.
+    // The direction of travel is the tangent of the curve, also defined at rest.
     const MetricJet<2> m = metric(ellipsoid_, p.lat.to<2>(), p.h.to<2>());
     const Jet<2> along = u.to<2>();
     const Jet<2> tn = m.north * (chart_.lat_per_m * compose(derivative(n).to<2>(), along));
@@ -84,7 +84,7 @@ RoutePath town_route(const Geodetic& start, double duration, std::uint64_t seed)
         const double kind = random.uniform();
         const double turn = kind < 0.4 ? 90.0 : (kind < 0.6 ? 45.0 : (kind < 0.8 ? 15.0 : 0.0));
         heading += (random.uniform() < 0.5 ? -turn : turn) * std::numbers::pi / 180.0;
-        // What the leg takes at its speed, with braking and speeding up where there is a corner or a stop, and the stop itself.
+        // Duration of the leg at its speed, with braking and acceleration at a corner or a stop, and of the stop itself.
         left -= leg / speed + (stops || turn > 20.0 ? 0.6 * speed / route.longitudinal_accel : 0.0) + dwell + (stops ? 3.0 : 0.0);
     }
     return route;

@@ -1,4 +1,4 @@
-// A vehicle along waypoints: a smooth curve, a smooth motion along it, and the attitude they imply.
+// A vehicle along waypoints: a smooth curve, a smooth motion along it, and the resulting attitude.
 #pragma once
 
 #include "schuler/sim/path_kinds.h"
@@ -15,17 +15,17 @@ struct RoutePlan {
     double time_spacing;                  ///< s
     std::vector<double> length;           ///< m, at t = 0, 1, ... spacings
     static constexpr int lead = 3;        ///< knots before the start, so that the start itself is on a straight line
-    double lead_time = 0.0;               ///< s of `length` before the start, where that is not at rest
+    double lead_time = 0.0;               ///< s of `length` before the start, if that is not at rest
 };
 
-/// Rounds the corners and plans speeds and stops. Throws Error(Input) naming the waypoint that cannot be driven.
+/// Rounds the corners and plans speeds and stops. Throws Error(Input) that names a waypoint that cannot be reached.
 [[nodiscard]] RoutePlan plan_route(const RoutePath& settings);
 
-/// Heights of the plan over the ground: never below the clearance, never steeper than the slope, rounded over its smoothing.
+/// Heights of the plan over the ground: never below the clearance, never steeper than the slope, smoothed as set.
 void drape(RoutePlan& plan, const Drape& settings, const LocalChart& chart);
 
-/// The path of a plan. Everything is smooth because the plan's values are control values of quintic splines; position is the
-/// curve at the length of the moment, so that velocity and the rest follow by differentiation.
+/// The path of a plan. It is smooth because the plan's values are control values of quintic splines; position is the curve at the
+/// current length, and velocity and higher derivatives follow by differentiation.
 class Route final : public TruthPath {
 public:
     Route(const RoutePath& settings, const earth::Ellipsoid& ellipsoid);

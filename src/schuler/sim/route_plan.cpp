@@ -13,7 +13,7 @@ namespace schuler::sim {
 namespace {
 
 constexpr double spacing_t = 0.5;       // s between control values of the motion
-constexpr double tangent_share = 0.45;  // of a leg at most is taken by the rounding of one corner
+constexpr double tangent_share = 0.45;  // largest fraction of a leg used for the rounding of one corner
 
 using Eigen::Vector2d;
 
@@ -40,7 +40,7 @@ struct Piece {
 
     [[nodiscard]] RoadPoint at(double s) const {
         const double angle = curvature * s;
-        const Vector2d right(-direction.y(), direction.x());  // north-east components turned clockwise seen from above
+        const Vector2d right(-direction.y(), direction.x());  // north-east components rotated clockwise seen from above
         const Vector2d moved = curvature == 0.0
                                    ? Vector2d(s * direction)
                                    : Vector2d((std::sin(angle) * direction + (1.0 - std::cos(angle)) * right) / curvature);
@@ -76,7 +76,7 @@ void check(const RoutePath& s) {
 std::vector<Piece> rounded(const RoutePath& s) {
     std::vector<Piece> pieces;
     Vector2d corner = Vector2d::Zero();
-    double corner_up = 0.0, used = 0.0;  // metres of the current leg already taken by the corner behind
+    double corner_up = 0.0, used = 0.0;  // metres of the current leg already used by the previous corner
     for (std::size_t i = 0; i < s.waypoints.size(); ++i) {
         const Waypoint& w = s.waypoints[i];
         const Vector2d leg = Vector2d(w.north, w.east) - corner;
@@ -109,7 +109,7 @@ std::vector<Piece> rounded(const RoutePath& s) {
     return pieces;
 }
 
-/// The road sampled at equal lengths, with a straight run before the start and behind the end, and where to stop.
+/// The road sampled at equal lengths, with a straight segment before the start and after the end, and the stops.
 struct Road {
     std::vector<RoadPoint> points;                      ///< spacing_u apart, the first at u = 0
     std::vector<std::pair<std::size_t, double>> stops;  ///< index of a point, seconds
@@ -117,7 +117,7 @@ struct Road {
 
 Road sampled(const std::vector<Piece>& pieces, double spacing_u) {
     Road road;
-    double behind = 0.0;  // length of the pieces done
+    double behind = 0.0;  // length of the completed pieces
     std::size_t k = 0;
     for (const Piece& piece : pieces) {
         for (; static_cast<double>(k) * spacing_u < behind + piece.length; ++k) {
@@ -132,7 +132,7 @@ Road sampled(const std::vector<Piece>& pieces, double spacing_u) {
     return road;
 }
 
-/// Speed at each point: limits of leg and corner, then what braking and speeding up allow.
+/// Speed at each point: limits of leg and corner, then the limits of braking and acceleration.
 std::vector<double> speeds(const Road& road, const RoutePath& s) {
     std::vector<double> v;
     for (const RoadPoint& p : road.points) {
@@ -148,16 +148,16 @@ std::vector<double> speeds(const Road& road, const RoutePath& s) {
     return v;
 }
 
-/// Three knots, where the path does not start at rest.
+/// Three knots, if the path does not start at rest.
 double lead_time_of(const RoutePath& s) { return s.start_speed > 0.0 ? RoutePlan::lead * spacing_t : 0.0; }
 
-/// Length driven at equidistant times, at constant acceleration between points.
+/// Distance travelled at equidistant times, with constant acceleration between points.
 std::vector<double> motion(const Road& road, const std::vector<double>& v, const RoutePath& s) {
-    // The spline spreads each value over three knots to either side: a standstill needs six knots more to last as long as asked.
+    // The spline spreads each value over three knots to either side: a standstill needs six more knots for its duration.
     constexpr double spread = 6.0 * spacing_t;
     std::vector<double> length;
     const double spacing_u = s.knot_spacing;
-    // On its way from the start on: as fast before it as at it.
+    // In motion from the start on: with the same speed before it.
     for (double before = lead_time_of(s); before > 0.0; before -= spacing_t) length.push_back(-before * v.front());
     const auto knot_time = [&] { return static_cast<double>(length.size()) * spacing_t - lead_time_of(s); };
     double t = s.standstill > 0.0 ? s.standstill + spread : 0.0;

@@ -14,7 +14,7 @@ namespace schuler::sim::detail {
 
 namespace {
 
-/// Turns Earth-fixed axes of one instant to those of a time `tau` later.
+/// Rotates Earth-fixed axes of one instant to those of a time `tau` later.
 Eigen::Vector3d turned(const Eigen::Vector3d& r, double rate, double tau) {
     const double angle = rate * tau, ca = std::cos(angle), sa = std::sin(angle);
     return {ca * r.x() + sa * r.y(), -sa * r.x() + ca * r.y(), r.z()};

@@ -30,7 +30,7 @@ double strength_at(const SignalSettings& s, double t) {
     return a.cn0 + (next->cn0 - a.cn0) * (t - a.time) / (next->time - a.time);
 }
 
-/// Power of a jammer at the antenna in watts, by free space.
+/// Power of a jammer at the antenna in watts, by free-space propagation.
 double received_from(const Jammer& j, const Ecef& antenna, const earth::Ellipsoid& ellipsoid, double t) {
     if (t < j.start || t >= j.start + j.duration) return 0.0;
     const double distance = std::max(1.0, (earth::ecef_from_geodetic(ellipsoid, j.position).r - antenna.r).norm());
@@ -73,7 +73,7 @@ Signals::Signals(const RangingScenario& scenario, const TruthPath& path, const S
         const double kept = std::exp(-1.0 / (rate * slow.correlation_time));
         double delay = slow.correlated * random.normal();
         for (std::size_t k = 0; k < count; ++k) {
-            // before the start the path is the one it leaves by
+            // before the start the path is extrapolated from its initial state
             const double t = time(k), on_path = std::max(t, 0.0);
             const auto line = lines.to(transmitter, on_path);
             const bool view = line && lines.above_masks(transmitter, *line, on_path);

@@ -1,5 +1,5 @@
-// What arrives at the antenna along a truth path: the motion of every satellite's signal and its strength, jammed or not. A
-// receiver at the level of correlators listens to it.
+// Signals at the antenna along a truth path: motion and strength of every satellite's signal, with or without jamming. Input of a
+// correlator-level receiver.
 #pragma once
 
 #include "schuler/sim/ranging.h"
@@ -9,16 +9,16 @@
 
 namespace schuler::sim {
 
-/// A transmitter of noise in the receiver's band, at rest. Carrier, chip rate and least power are those of GPS: signals of
-/// GLONASS are taken to be jammed in their own band as much as those of GPS.
+/// A noise transmitter in the receiver's band, at rest. Carrier, chip rate and minimum power are those of GPS: GLONASS signals
+/// are assumed to be jammed in their own band as strongly as those of GPS.
 struct Jammer {
     Geodetic position;
-    double power = 1.0;                  ///< W, radiated equally in all directions
-    double spread = 2.22;                ///< Q: 1 a tone, 1.5 a signal like GPS's, 2.22 noise as wide as the code [Kaplan2017]
+    double power = 1.0;                  ///< W, isotropic
+    double spread = 2.22;                ///< Q: 1 a tone, 1.5 a GPS-like signal, 2.22 noise of the code bandwidth [Kaplan2017]
     double start = 0.0, duration = 1e9;  ///< s of the scenario
 };
 
-/// Carrier to noise density at a time, linear in dB from point to point and constant before and behind them.
+/// Carrier-to-noise density as a function of time, linear in dB between points and constant outside.
 struct StrengthPoint {
     double time = 0.0;  ///< s of the scenario
     double cn0 = 45.0;  ///< dB-Hz
@@ -27,12 +27,12 @@ struct StrengthPoint {
 struct SignalSettings {
     RangingSettings ranging;             ///< satellites, masks, blocking and limits, slow errors, lever arm; its rate is not used
     double cn0 = 45.0;                   ///< dB-Hz, of every satellite without jamming
-    std::vector<StrengthPoint> profile;  ///< instead of it; in order of time
+    std::vector<StrengthPoint> profile;  ///< instead of it; in time order
     std::vector<Jammer> jammers;
 };
 
-/// Throws Error(Input) naming the setting that is unusable; ground stations, faults of ranges and reflections are none of a
-/// correlator's.
+/// Throws Error(Input) that names the invalid setting; ground stations, range faults and multipath are not available at
+/// correlator level.
 void check(const SignalSettings& settings);
 
 /// Range of one signal less the receiver's clock, with derivatives.
@@ -40,19 +40,19 @@ struct SignalMotion {
     double range, rate, acceleration, jerk;  ///< m, m/s, m/s^2, m/s^3
 };
 
-/// Immutable. Between samples at 20 Hz ranges are cubics whose slopes are differences of fourth order: off by 2e-5 m and 1e-3 m/s
-/// where a vehicle goes from none to 20 g within a second. Slow errors of the ranges delay the code alone.
+/// Immutable. Between samples at 20 Hz ranges are cubics with fourth-order difference slopes: errors 2e-5 m and 1e-3 m/s if a
+/// vehicle goes from zero to 20 g within a second. Slow errors of the ranges delay the code only.
 class Signals {
 public:
     Signals(const RangingScenario& scenario, const TruthPath& path, const SignalSettings& settings);
 
-    [[nodiscard]] std::size_t size() const { return tracks_.size(); }  ///< satellites that are in view at some time
+    [[nodiscard]] std::size_t size() const { return tracks_.size(); }  ///< satellites in view at some time
     [[nodiscard]] gnss::SatelliteId satellite(std::size_t i) const { return tracks_[i].satellite; }
     /// `t` in seconds of the scenario.
     [[nodiscard]] SignalMotion motion(std::size_t i, double t) const;
-    /// Above the masks, so that an almanac says that it could be heard.
+    /// Above the masks, so that an almanac predicts reception.
     [[nodiscard]] bool in_view(std::size_t i, double t) const;
-    /// Hz, jammers included; 0 where it is blocked or out of view.
+    /// Hz, including jammers; 0 if blocked or out of view.
     [[nodiscard]] double cn0(std::size_t i, double t) const;
     /// Slow error of the code, m.
     [[nodiscard]] double code_delay(std::size_t i, double t) const;
@@ -62,9 +62,9 @@ public:
 private:
     struct Track {
         gnss::SatelliteId satellite;
-        std::vector<double> range;  ///< m, from two samples before the start on
+        std::vector<double> range;  ///< m, starting two samples before the start
         std::vector<float> delay;   ///< m
-        std::vector<char> state;    ///< 0 out of view, 1 blocked, 2 heard
+        std::vector<char> state;    ///< 0 out of view, 1 blocked, 2 received
     };
     [[nodiscard]] std::size_t index(double t, double& part) const;
 

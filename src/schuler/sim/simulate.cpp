@@ -107,7 +107,7 @@ SimulatedData simulate(const Scenario& s) {
     out.recording.reference.reserve(references);
     out.sensor_truth.reserve(references);
 
-    const auto tell_until = [&](double t) {  // reference epochs up to t with the biases of the moment
+    const auto tell_until = [&](double t) {  // adds reference epochs up to t with the current biases
         for (;;) {
             const double next = static_cast<double>(out.recording.reference.size()) / s.reference_rate;
             if (next > t + 1e-9 || out.recording.reference.size() == references) return;
@@ -124,7 +124,7 @@ SimulatedData simulate(const Scenario& s) {
     for (std::size_t k = 1; k <= samples; ++k) {
         const double t = static_cast<double>(k) / s.imu.rate;
         ExactIncrement exact = exact_increment(s.earth, *path, static_cast<double>(k - 1) / s.imu.rate, t);
-        if (disturbed) {  // an accelerometer feels the reaction to gravity: what the Earth's model does not have comes with a minus
+        if (disturbed) {  // an accelerometer senses the reaction to gravity: deviations from the model enter negatively
             const Kinematics middle = path->at(t - 0.5 * dt);
             const double step = dt * middle.v_eb_n.norm();
             exact.dv -= dt * (math::dcm_from_rpy(middle.rpy).transpose() * anomaly.at(distance + 0.5 * step, t - 0.5 * dt));

@@ -1,4 +1,4 @@
-// From a scenario to what its instruments would have logged, and the truth.
+// From a scenario to the logs of its instruments, and the truth.
 #pragma once
 
 #include "schuler/core/samples.h"
@@ -17,11 +17,11 @@ namespace schuler::sim {
 
 struct ImuSettings {
     double rate = 100.0;                                 ///< Hz
-    ImuKind kind = ImuKind::Increments;                  ///< rates are increments divided by the sample time
+    ImuKind kind = ImuKind::Increments;                  ///< rates are increments divided by the sample interval
     sensor::ImuErrorModel errors;                        ///< all zero: perfect
     Eigen::Vector3d mounting = Eigen::Vector3d::Zero();  ///< roll, pitch, yaw from body to sensor axes, rad
-    double warm_up = 0.0;                                ///< K by which it warms above the temperature of calibration
-    double warm_up_time = 600.0;                         ///< s, time constant of that
+    double warm_up = 0.0;                                ///< K, final rise above the calibration temperature
+    double warm_up_time = 600.0;                         ///< s, its time constant
 };
 
 /// A receiver's own solution. Position and velocity errors are white plus Gauss-Markov (paper A, (3.2.1) and (3.2.2)), north,
@@ -33,12 +33,12 @@ struct GnssSettings {
     Eigen::Vector3d white_velocity = Eigen::Vector3d(0.05, 0.05, 0.1);  ///< sigma, m/s
     sensor::GnssErrorModel errors;                                      ///< the slowly varying parts
     std::vector<double> constellation_changes;                          ///< s, in order: the first fix at or after each
-    double position_latency = 0.0;                                      ///< s: the fix stamped t holds for t - latency
+    double position_latency = 0.0;                                      ///< s: the fix stamped t is valid at t - latency
     double velocity_latency = 0.0;                                      ///< s
     FixType fix = FixType::Autonomous;
 };
 
-/// What such a receiver states of its fixes, one sigma: white and slow part together.
+/// Sigma that such a receiver states for its fixes: white and slow part together.
 [[nodiscard]] Eigen::Vector3d stated_position_sigma(const GnssSettings& settings);
 [[nodiscard]] Eigen::Vector3d stated_velocity_sigma(const GnssSettings& settings);
 
@@ -48,13 +48,13 @@ struct BaroSettings {
     double white = 0.5;      ///< sigma, m
     double bias = 0.0;       ///< constant, sigma over runs, m
     double bias_walk = 0.0;  ///< m/sqrt(s)
-    double bias_time = 0.0;  ///< s; not 0: the bias is a Gauss-Markov process with that correlation time, and does not walk
-    bool pressure = false;   ///< the log has the static pressure, which its reader takes as that of the standard atmosphere
-    double sea_level_pressure = 101325.0;  ///< Pa, of the day
-    double temperature_offset = 0.0;       ///< K, of the day against the standard atmosphere at every height
+    double bias_time = 0.0;  ///< s; not 0: the bias is a Gauss-Markov process with this correlation time instead of a random walk
+    bool pressure = false;   ///< the log has the static pressure, which its reader converts with the standard atmosphere
+    double sea_level_pressure = 101325.0;  ///< Pa, actual
+    double temperature_offset = 0.0;       ///< K, offset of the actual temperature from the standard atmosphere at every height
 };
 
-/// A magnetometer in the axes of the IMU. The field is that of a place; iron of the body adds a constant (hard) and distorts (soft).
+/// A magnetometer in the axes of the IMU. The field is constant; iron of the body adds a constant (hard) and distorts (soft).
 struct MagSettings {
     double rate = 0.0;         ///< Hz; 0: none
     double field = 50e-6;      ///< T
@@ -67,25 +67,25 @@ struct MagSettings {
 
 enum class Channel { Gnss, Baro, Imu };
 
-/// The channel is silent for start < t < start + duration, seconds of the scenario.
+/// The channel has no output for start < t < start + duration, seconds of the scenario.
 struct SimulatedOutage {
     double start = 0.0;
     double duration = 0.0;
     Channel channel = Channel::Gnss;
 };
 
-/// What goes wrong. Sizes: m (receiver, barometer); rad/s or m/s^2 of an IMU's gyros or accelerometers; a rate is that a second.
+/// Faults. Sizes: m (receiver, barometer); rad/s or m/s^2 of an IMU's gyros or accelerometers; a rate is that per second.
 enum class FaultKind {
     Step,      ///< an offset
-    Ramp,      ///< an offset that grows by `size` a second, position alone
-    Drift,     ///< the same with the velocity that belongs to it
+    Ramp,      ///< an offset that grows by `size` per second, position only
+    Drift,     ///< the same with the corresponding velocity
     Velocity,  ///< an offset of the receiver's velocity
     Freeze,    ///< the values of the last good sample
-    Noise,     ///< white noise of one sigma `size`
+    Noise,     ///< white noise of sigma `size`
     Dropout,   ///< no samples
     Gyro,      ///< an offset of the gyros
     Accel,     ///< an offset of the accelerometers
-    Saturate   ///< gyros that measure no more than `size`
+    Saturate   ///< gyros limited to a largest measured value of `size`
 };
 struct Fault {
     Channel channel = Channel::Gnss;
@@ -102,21 +102,21 @@ struct Scenario {
     Time origin;              ///< time of the first instant
     earth::Earth earth;
     PathSettings path;
-    std::vector<AnomalyPart> anomaly;  ///< of gravity along the path, beyond the Earth's model
-    GroundField anomaly_field;         ///< and of gravity over the ground; empty: none
+    std::vector<AnomalyPart> anomaly;  ///< gravity disturbance along the path, in addition to the Earth's model
+    GroundField anomaly_field;         ///< and gravity disturbance over the ground; empty: none
     ImuSettings imu;
     GnssSettings gnss;
     BaroSettings baro;
     MagSettings mag;
-    std::vector<Fault> faults;     ///< in the log, as the readers will meet them
+    std::vector<Fault> faults;     ///< in the log, as seen by the readers
     double reference_rate = 10.0;  ///< of the truth, Hz
     std::vector<SimulatedOutage> outages;
 
-    /// Gravity is not that of the Earth's model alone.
+    /// Gravity differs from the Earth's model.
     [[nodiscard]] bool disturbed() const { return !anomaly.empty() || anomaly_field; }
 };
 
-/// True sensor errors in sensor axes, and the disturbance of gravity, at the instants of the reference.
+/// True sensor errors in sensor axes, and the gravity disturbance, at the instants of the reference.
 struct SensorTruth {
     Time time;
     Eigen::Vector3d gyro_bias;                                ///< turn-on plus in-run, rad/s
@@ -139,15 +139,15 @@ struct SimulatedData {
     /// imu stamped at the end of each sample, sensor axes; gnss at the antenna; reference of the IMU, from the first instant on.
     Recording recording;
     ImuKind imu_kind = ImuKind::Increments;
-    std::vector<SensorTruth> sensor_truth;                    ///< as many as the reference
-    std::vector<GnssTruth> gnss_truth;                        ///< as many as the fixes
-    std::vector<BaroTruth> baro_truth;                        ///< as many as the barometer's samples
+    std::vector<SensorTruth> sensor_truth;                    ///< same number as the reference
+    std::vector<GnssTruth> gnss_truth;                        ///< same number as the fixes
+    std::vector<BaroTruth> baro_truth;                        ///< same number as the barometer's samples
     Eigen::Matrix3d gyro_gain = Eigen::Matrix3d::Identity();  ///< I plus scale errors and misalignments
     Eigen::Matrix3d accel_gain = Eigen::Matrix3d::Identity();
 };
 
-/// Simulates a scenario. The same scenario gives the same numbers; each noise has a random stream of its own, so that one
-/// channel does not change another. Throws Error(Input) naming the setting that is unusable.
+/// Simulates a scenario. The same scenario gives the same numbers; each noise has a separate random stream, so that one channel
+/// does not affect another. Throws Error(Input) that names the invalid setting.
 [[nodiscard]] SimulatedData simulate(const Scenario& scenario);
 
 }  // namespace schuler::sim

@@ -14,9 +14,9 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double roll_per_lateral_accel = 0.102;  // a coordinated turn, rad/(m/s^2)
-constexpr double smoothing_margin = 1.25;         // the smoothed curve passes the planned acceleration by up to a fifth
-constexpr double slowest_turn = 20.0;             // s to go one radius: ships turn so, whatever their bank
-constexpr double leg_per_tangent = 2.3;           // a route gives a corner at most 0.45 of a leg
+constexpr double smoothing_margin = 1.25;         // the smoothed curve exceeds the planned acceleration by up to a fifth
+constexpr double slowest_turn = 20.0;             // s to travel one radius: a limit for ships, independent of bank
+constexpr double leg_per_tangent = 2.3;           // a route permits a corner at most 0.45 of a leg
 
 using detail::require;
 
@@ -34,7 +34,7 @@ void check(const SurveyPattern& p) {
     require(std::isfinite(p.standstill) && p.standstill >= 0.0, "trajectory.standstill_s", "is not a duration", "give seconds");
 }
 
-/// Places corners in axes along the first line (x) and to the right of it (y), from the beginning of its run-in on.
+/// Places corners in axes along the first line (x) and to the right of it (y), relative to the start of its run-in.
 class Course {
 public:
     Course(RoutePath& route, const SurveyPattern& p, double radius, double overrun)
@@ -52,7 +52,7 @@ public:
         const double x = p.x() + overrun_;
         route_.waypoints.push_back({c_ * x - s_ * p.y(), s_ * x + c_ * p.y(), 0.0, speed_, 0.0});
     }
-    /// From the end of a line along `ahead` to the next one, `apart` metres towards `side`, which runs the other way.
+    /// From the end of a line along `ahead` to the next one, `apart` metres towards `side`, in the opposite direction.
     void turn(const Vector2d& end, const Vector2d& ahead, const Vector2d& side, double apart) {
         if (apart >= leg_per_tangent * radius_) {
             const Vector2d corner = end + (overrun_ + radius_) * ahead;
@@ -60,7 +60,7 @@ public:
             to(corner + apart * side);
             return;
         }
-        // Thirty degrees away from the next line, then round: the legs are as long as the corners of 120 degrees need.
+        // Thirty degrees away from the next line, then around: the legs have the length required by the corners of 120 degrees.
         const double away = 30.0 * units::deg, leg = leg_per_tangent * radius_ * std::tan(60.0 * units::deg);
         const Vector2d corner = end + (overrun_ + radius_ * std::tan(0.5 * away)) * ahead;
         const Vector2d outer = corner + leg * std::cos(away) * ahead, aside = leg * std::sin(away) * side;
@@ -69,9 +69,9 @@ public:
         to(outer + apart * side + aside);
         to(corner + apart * side);
     }
-    /// The length of the polygon: more than that of the rounded course.
+    /// The length of the polygon: larger than that of the rounded course.
     [[nodiscard]] double longest() const { return longest_; }
-    /// What rounding takes off it at most.
+    /// Upper limit of the reduction by rounding.
     [[nodiscard]] double cut() const { return 1.4 * radius_ * static_cast<double>(route_.waypoints.size()); }
 
 private:
@@ -93,7 +93,7 @@ RoutePath survey_route(const SurveyPattern& p) {
         std::max(smoothing_margin * roll_per_lateral_accel * p.speed * p.speed / p.bank, slowest_turn * p.speed);
     route.corner_radius = radius;
     route.knot_spacing = std::clamp(radius / 30.0, 0.5, 50.0);
-    route.lateral_accel = smoothing_margin * p.speed * p.speed / radius;  // turns are not what slows it down
+    route.lateral_accel = smoothing_margin * p.speed * p.speed / radius;  // turns do not reduce the speed
     route.longitudinal_accel = 1.0;
     route.roll_per_lateral_accel = roll_per_lateral_accel;
     route.pitch_per_accel = 0.0;
@@ -108,7 +108,7 @@ RoutePath survey_route(const SurveyPattern& p) {
         if (i + 1 < p.lines) course.turn(end, ahead, y, p.spacing);
     }
     if (p.ties > 0) {
-        // Round the far corner of the field to the tie line that is next to it.
+        // Around the far corner of the area to the nearest tie line.
         const double between = p.length / p.ties, least = leg_per_tangent * radius;
         const double out = std::max(overrun + radius, least - 0.5 * between), over = std::max(overrun + radius, least);
         const Vector2d back = -ahead;

@@ -10,7 +10,7 @@ namespace {
 
 constexpr int degree = 5;
 
-/// Uniform B-spline of degree m at x in [0, 1] of the interval its m + 1 values govern: de Boor's algorithm.
+/// Uniform B-spline of degree m at x in [0, 1] of the interval determined by its m + 1 values: de Boor's algorithm.
 double de_boor(std::array<double, degree + 1> d, int m, double x) {
     for (int r = 1; r <= m; ++r) {
         for (int j = m; j >= r; --j) {

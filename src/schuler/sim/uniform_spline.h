@@ -8,8 +8,8 @@
 namespace schuler::sim {
 
 /// The curve that smooths control values given at x = 0, h, 2h, ... (it does not pass through them): a straight line where six
-/// neighbours are on a line, constant where six are equal, monotone where they are. Outside it is continued by the first and
-/// last value.
+/// neighbours are collinear, constant where six are equal, monotone where they are. Outside it is continued by the first and last
+/// values.
 class UniformSpline {
 public:
     UniformSpline(double spacing, std::vector<double> controls);

@@ -35,7 +35,7 @@ RecordedPath weaving_path(const WeavingFlight& f, const earth::Ellipsoid& ellips
             const double roll = std::atan(f.speed * turn_rate(f, t) / g);
             out.points.push_back({t, {lat, lon, h}, {roll, incidence + f.climb * std::sin(phase) / f.speed, heading}});
         }
-        // midpoint rule: the heading in the middle of the step
+        // midpoint rule: the heading at the middle of the step
         const double middle = heading + 0.5 * dt * turn_rate(f, t + 0.25 * dt);
         const earth::Radii r = earth::radii(ellipsoid, lat);
         const double north = f.speed * std::cos(middle), east = f.speed * std::sin(middle);

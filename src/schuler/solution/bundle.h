@@ -1,4 +1,4 @@
-// Everything one run has made: data, result, evaluation, timing.
+// All results of one run: data, result, evaluation, timing.
 #pragma once
 
 #include "schuler/fusion/result.h"
@@ -26,7 +26,7 @@ struct Timing {
     double read_s = 0.0, filter_s = 0.0, check_s = 0.0, write_s = 0.0, wall_s = 0.0;
 };
 
-/// A setting that was given and had no effect on a run.
+/// A setting that was given but had no effect on a run.
 struct Ignored {
     std::string key, reason;
 };
@@ -38,15 +38,15 @@ struct ResultBundle {
     std::optional<std::uint64_t> seed;
     LoadedDataset data;
     std::shared_ptr<const scenario::SimulatedSky>
-        sky;  ///< a simulated receiver's, which takes part in medium and deep runs; or null
-    std::vector<scenario::ReceiverRow> receiver_rows;  ///< what became of its channels
+        sky;  ///< of a simulated receiver, for use in intermediate and deep coupling runs; or null
+    std::vector<scenario::ReceiverRow> receiver_rows;  ///< status of its channels
     fusion::Result result;
-    HiddenTruth truth;  ///< simulated data
+    HiddenTruth truth;  ///< of simulated data
     Evaluation evaluation;
     settings::Published published;  ///< for the scenario, to compare with
     std::string config_toml;        ///< every setting as used
-    std::vector<Fact> facts;        ///< how each setting of the data is known
-    std::vector<Ignored> ignored;   ///< what was given and had no effect
+    std::vector<Fact> facts;        ///< origin of each setting of the data
+    std::vector<Ignored> ignored;   ///< settings that were given but had no effect
     std::vector<std::string> warnings;
     std::optional<SelfCheck> self_check;  ///< of `process`
     SolutionVerdict verdict;

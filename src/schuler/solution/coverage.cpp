@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 
 constexpr double sigmas = 3.0;
 
-/// Median distance of neighbours, s.
+/// Median interval of neighbours, s.
 double usual_step(std::span<const CheckFix> fixes) {
     std::vector<double> steps;
     for (std::size_t i = 1; i < fixes.size(); ++i) steps.push_back(fixes[i].t - fixes[i - 1].t);
@@ -23,10 +23,10 @@ double usual_step(std::span<const CheckFix> fixes) {
     return steps[steps.size() / 2];
 }
 
-/// Time between a window and the one after it, s.
+/// Time between a window and the next one, s.
 double pause_after(double length) { return std::max(length, 10.0); }
 
-/// A window may follow an outage of the user's as soon as the filter has some fixes again: its sigmas are to hold then, too.
+/// A window may follow a user's outage as soon as there are some fixes again: the sigmas must be valid then, too.
 bool clear_of(std::span<const fusion::Outage> outages, double start, double stop) {
     constexpr double some_fixes = 3.0;  // s
     return std::ranges::none_of(outages, [&](const fusion::Outage& o) {
@@ -34,7 +34,7 @@ bool clear_of(std::span<const fusion::Outage> outages, double start, double stop
     });
 }
 
-/// Fixes all through, used before and after, and most of them good; most of them `in_motion` where that is asked for.
+/// Fixes throughout, used before and after, and mostly good; mostly `in_motion` if requested.
 bool can_be_judged(std::span<const CheckFix> fixes, double start, double stop, double step, bool in_motion) {
     constexpr double tolerance = 1e-6;
     const auto begin = std::ranges::upper_bound(fixes, start + tolerance, {}, &CheckFix::t);
@@ -150,14 +150,14 @@ namespace {
 
 /// One component of a withheld fix for the fit of growth factors.
 struct Sample {
-    double weight;  ///< a window counts as much as any other
+    double weight;  ///< each window has the same weight
     double since;   ///< s
     double error2;  ///< m^2
-    double fixed;   ///< m^2, of the fix and of the position at loss: no noise since then changes it
+    double fixed;   ///< m^2, of the fix and of the position at loss: independent of the noise since then
     double growth;  ///< m^2, of the filter's own variance since loss
 };
 
-/// A window is worth about so many independent epochs: its errors grow smoothly.
+/// Equivalent number of independent epochs per window: its errors grow smoothly.
 constexpr double independent = 2.0;
 
 std::vector<Sample> samples_of(std::span<const WithheldEpoch> epochs, int axes) {
@@ -185,7 +185,7 @@ std::vector<Sample> samples_of(std::span<const WithheldEpoch> epochs, int axes) 
     return samples;
 }
 
-/// The part of the growth that is driven by the gyros at a time since loss, from the shape of the filter's own variance: a t^3 + b t^5.
+/// Fraction of the growth driven by the gyros at a time since loss, from the shape of the filter's own variance: a t^3 + b t^5.
 class GyroShare {
 public:
     explicit GyroShare(std::span<const Sample> samples) {
@@ -209,7 +209,7 @@ public:
         const double accel = a_, gyro = b_ * t * t;
         return accel + gyro > 0.0 ? gyro / (accel + gyro) : 0.5;
     }
-    /// Both parts are there to be told apart.
+    /// Both parts are present and can be separated.
     [[nodiscard]] bool both() const { return a_ > 0.0 && b_ > 0.0; }
 
 private:
@@ -224,7 +224,7 @@ public:
 
     [[nodiscard]] bool has_both() const { return share_.both(); }
 
-    /// Log-likelihood with the growth of variance multiplied; accel, gyro >= 1.
+    /// Log-likelihood for a scaled growth of variance; accel, gyro >= 1.
     [[nodiscard]] double likelihood(double accel, double gyro) const {
         double sum = 0.0;
         for (std::size_t i = 0; i < samples_.size(); ++i) {
@@ -258,7 +258,7 @@ private:
 /// sigma of the growth = noise^power.
 constexpr double power = 0.85;
 double noise_of(double growth) { return std::min(NoiseScale::most, std::pow(growth, 0.5 / power)); }
-/// As a settings file has it.
+/// With the digits of a settings file.
 double rounded(double x) { return std::strtod(fmt::format("{:.3g}", x).c_str(), nullptr); }
 
 }  // namespace
@@ -301,7 +301,7 @@ NoiseScale missing_noise(std::span<const WithheldEpoch> epochs, int axes) {
         accel *= step;
         gyro *= step;
     }
-    // Errors with longer tails than the normal ones ask for more than their mean size.
+    // Errors with longer tails than normal ones require more than their mean size.
     while (fit.coverage(accel, gyro) < wanted_coverage && std::max(accel, gyro) < most) {
         accel *= step;
         gyro *= step;

@@ -25,8 +25,8 @@ bool has_position(const std::vector<ReferenceSample>& reference) {
     return std::ranges::any_of(reference, [](const ReferenceSample& s) { return s.position.lat == s.position.lat; });
 }
 
-/// Does the reference lie where the fixes lie? An autopilot's own estimate may count its heights from elsewhere: then the withheld
-/// fixes are what an outage is judged by.
+/// True if the reference agrees with the fixes. An autopilot's own estimate may use another height reference: outages are then
+/// evaluated with the withheld fixes.
 bool among_the_fixes(const LoadedDataset& data, const std::vector<ReferenceSample>& reference) {
     constexpr double far = 10.0;  // m, median
     std::vector<double> distance;
@@ -40,7 +40,7 @@ bool among_the_fixes(const LoadedDataset& data, const std::vector<ReferenceSampl
     return math::median(std::move(distance)) < far;
 }
 
-/// The outages of a trajectory against the reference, or against the withheld fixes at the antenna.
+/// The outages of a trajectory relative to the reference, or to the withheld fixes at the antenna.
 std::vector<analysis::OutageStatistics> outages_of(const LoadedDataset& data, const std::vector<ReferenceSample>& reference,
                                                    const fusion::Trajectory& trajectory, bool jumps) {
     std::vector<analysis::OutageStatistics> out;
@@ -88,8 +88,8 @@ void bias_errors(const fusion::Trajectory& trajectory, const std::vector<sim::Se
     out.accel_bias_error = last.accel_bias - t.accel_bias;
 }
 
-/// The reference epochs to compare at: those that coincide with rows of the solution where there are enough of them, for the
-/// solution between its rows is interpolated and a vehicle may shake between them.
+/// The reference epochs for comparison: those that coincide with rows of the solution if there are enough, because the solution
+/// between its rows is interpolated and a vehicle may vibrate between them.
 std::vector<ReferenceSample> comparable(const std::vector<SolutionRow>& rows, const std::vector<ReferenceSample>& reference) {
     constexpr std::int64_t same_instant_ns = 1'000;
     std::vector<ReferenceSample> out;

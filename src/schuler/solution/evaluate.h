@@ -1,4 +1,4 @@
-// How good a run was: errors against a reference, outages, consistency of the filter with itself.
+// Quality of a run: errors relative to a reference, outages, consistency of the filter with itself.
 #pragma once
 
 #include "schuler/analysis/consistency.h"
@@ -17,7 +17,7 @@
 
 namespace schuler::solution {
 
-/// Numbers of one aid: "gnss_position", "baro", ...
+/// Statistics of one aid: "gnss_position", "baro", ...
 struct AidConsistency {
     std::string_view name;
     analysis::NisStatistics nis;
@@ -25,27 +25,27 @@ struct AidConsistency {
 
 struct Evaluation {
     std::string reference;                           ///< "truth", "file", "gnss" or empty
-    Time settled;                                    ///< errors are counted from here
-    std::vector<analysis::ErrorRow> errors;          ///< of the solution (smoothed where there is one)
-    std::vector<analysis::ErrorRow> errors_forward;  ///< of the filter, where smoothed
+    Time settled;                                    ///< errors are evaluated from here on
+    std::vector<analysis::ErrorRow> errors;          ///< of the solution (smoothed if available)
+    std::vector<analysis::ErrorRow> errors_forward;  ///< of the filter, if smoothed
     analysis::ErrorSummary summary;
     std::optional<analysis::ErrorSummary> forward;
     std::optional<analysis::ConsistencySummary> consistency;
     std::vector<AidConsistency> aids;
     std::vector<analysis::OutageStatistics> outages;          ///< of the solution
-    std::vector<analysis::OutageStatistics> outages_forward;  ///< of the filter, where smoothed
+    std::vector<analysis::OutageStatistics> outages_forward;  ///< of the filter, if smoothed
     std::optional<Eigen::Vector3d> gyro_bias_error;           ///< estimate minus truth at the end, rad/s (simulated data)
     std::optional<Eigen::Vector3d> accel_bias_error;          ///< m/s^2
     std::vector<analysis::SeparationRow> separation;          ///< forward minus backward filter, where requested
-    analysis::SeparationSummary separated;                    ///< of it, without the settling of both
-    std::vector<StateErrors> states;                          ///< of the filter, once a second (simulated data)
+    analysis::SeparationSummary separated;                    ///< its statistics, without the settling time of both
+    std::vector<StateErrors> states;                          ///< of the filter, once per second (simulated data)
 };
 
-/// Judges a result by the reference of the data set, or by withheld GNSS in outages where there is none.
+/// Evaluates a result against the reference of the data set, or against withheld GNSS in outages if there is none.
 /// `truth`: of simulated data, empty otherwise.
 [[nodiscard]] Evaluation evaluate(const LoadedDataset& data, const fusion::Result& result, const HiddenTruth& truth);
 
-/// Errors of one trajectory against another: no filter known. `settle`: s after the first common epoch.
+/// Errors of one trajectory relative to another, without a filter. `settle`: s after the first common epoch.
 [[nodiscard]] Evaluation compare(const earth::Earth& earth, const std::vector<SolutionRow>& rows,
                                  const std::vector<ReferenceSample>& reference, double settle);
 

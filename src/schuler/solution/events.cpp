@@ -1,4 +1,4 @@
-// The solution at the instants that a user asks for.
+// The solution at user-specified instants.
 #include "schuler/solution/events.h"
 
 #include "schuler/solution/bundle.h"

@@ -1,4 +1,4 @@
-// The solution at the instants that a user asks for.
+// The solution at user-specified instants.
 #pragma once
 
 #include "schuler/core/log.h"
@@ -8,17 +8,17 @@
 
 namespace schuler::solution {
 
-/// The solution at each event of the data, in the order of its file; all but the time is NaN at those outside the solution.
+/// The solution at each event of the data, in the order of its file; all except the time is NaN outside the solution.
 struct EventRows {
     std::vector<NamedInstant> events;
     std::vector<SolutionRow> rows;
     std::vector<NamedInstant> outside;
 };
 [[nodiscard]] EventRows event_rows(const ResultBundle& bundle);
-/// Names the lines of events outside the solution.
+/// Warns of events outside the solution, with their line numbers.
 void warn_of_events_outside(const ResultBundle& bundle, WarningLog& warnings);
 
-/// Takes out what only a run of the navigation filter gives: the point, the events, the filter backward in time; with a warning each.
+/// Removes settings that require the navigation filter: output point, events, backward filter; with a warning each.
 [[nodiscard]] std::vector<Ignored> leave_out_chosen(LoadedDataset& data);
 
 }  // namespace schuler::solution

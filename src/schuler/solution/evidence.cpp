@@ -69,7 +69,7 @@ public:
         if (n.longest_imu_gap > long_hole) add("imu.hole", "a hole of {:.1f} s in the IMU log was bridged", n.longest_imu_gap);
     }
 
-    /// Who was found to be wrong where fixes were refused. What is below a metre is no fault: the first metres of a motion do as much.
+    /// Conclusions from refused fixes. Below a metre it is not considered a fault: the first metres of a motion have the same effect.
     void explained_refusals() {
         using fusion::IntegrityTest;
         constexpr double least = 1.0;  // m or m/s
@@ -121,7 +121,7 @@ public:
         else add("evidence.self_check", "{}", told);
     }
 
-    /// Simulated data: the truth is the judge.
+    /// Simulated data: compared with the truth.
     void of_truth() {
         if (!b_.data.true_reference || b_.evaluation.errors.empty()) return;
         Inside inside, near;
@@ -143,7 +143,7 @@ public:
     [[nodiscard]] std::vector<Concern> take() { return std::move(concerns_); }
 
 private:
-    /// The solution goes on without fixes until it is of no use.
+    /// The solution continues without fixes until it is useless.
     void adrift(const std::vector<SolutionRow>& rows) {
         constexpr double useless = 100.0;  // m, one sigma
         double seconds = 0.0, worst = 0.0;
@@ -154,7 +154,7 @@ private:
             seconds += (rows[i].time - rows[i - 1].time).seconds();
             worst = std::max(worst, sigma);
         }
-        // With fixes to go by, such a solution of most of a log says that they cannot be believed.
+        // With fixes available, such a solution over most of a log means that they cannot be trusted.
         const bool most = rows.size() > 1 && seconds > 0.5 * (rows.back().time - rows.front().time).seconds();
         const bool fixes = b_.command == "process" && b_.result.counters.gnss_accepted > 0;
         if (seconds > 0.0)
@@ -162,8 +162,8 @@ private:
                 "for {:.0f} s the position is uncertain by more than {:.0f} m, up to {:.3g} m", seconds, useless, worst);
     }
 
-    /// Fixes that are late in an unknown way drag the solution along, and withheld ones cannot tell: no solution is known better than what
-    /// the latency's sigma makes of the speed, whatever the filter believes to have learnt of it.
+    /// Fixes with an uncertain latency shift the solution, and withheld ones cannot reveal it: the solution is at most as
+    /// accurate as the latency sigma times the speed, whatever the filter's own estimate.
     void latency(const std::vector<SolutionRow>& rows) {
         const fusion::GnssSettings& g = b_.data.config.filter.gnss;
         if (fusion::uses_ranges(b_.data.config.filter.coupling) || !(g.latency_std > 0.0)) return;
@@ -182,8 +182,8 @@ private:
                 g.latency_std, ratio);
     }
 
-    /// The filter explains fixes that contradict it by errors of the receiver far beyond what these are said to be: withheld ones, less the
-    /// same errors, would agree with it all the same.
+    /// The filter explains contradictory fixes by receiver errors far beyond the assumed ones: withheld fixes, corrected for the
+    /// same errors, would nevertheless agree.
     void explained_away(std::string_view block, const char* what, const char* unit, const Eigen::Vector3d& sigma) {
         const auto it = std::ranges::find(b_.result.states, block, &fusion::LayoutBlock::name);
         if (it == b_.result.states.end()) return;
@@ -207,7 +207,7 @@ private:
                 most, unit, sigma.maxCoeff(), unit);
     }
 
-    /// Good and bad fixes mix; refused for many seconds in a row, either the receiver or the navigation was wrong all that time.
+    /// Good and bad fixes alternate; refusals over many seconds mean that either the receiver or the navigation was wrong.
     void longest_refusal() {
         constexpr double many = 5.0;  // s
         Time since{}, from{};

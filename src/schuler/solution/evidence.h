@@ -1,4 +1,4 @@
-// What a run shows for and against its solution.
+// Evidence of a run for and against its solution.
 #pragma once
 
 #include "schuler/solution/bundle.h"

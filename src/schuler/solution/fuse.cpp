@@ -18,12 +18,12 @@
 namespace schuler::solution {
 namespace {
 
-/// Below so many IMU epochs the filter reports every one of them where there is a reference: nothing is interpolated then.
+/// Below this number of IMU epochs the filter reports all of them if there is a reference: no interpolation is then required.
 constexpr std::size_t largest_full_rate = 150'000;
-/// Otherwise it reports at least at this rate: the evaluation interpolates between its rows.
+/// Otherwise its minimum reporting rate: the evaluation interpolates between its rows.
 constexpr double least_internal_rate = 10.0;
 
-/// The scenario with the states of the filter that are chosen above it: errors of the instruments that have no state of their own are then stated as
+/// The scenario with the filter states selected above it: instrument errors without their own states are then stated as
 /// biases.
 settings::ScenarioConfig with_states(settings::ScenarioConfig scenario, const settings::SettingList& over) {
     settings::SettingList states;

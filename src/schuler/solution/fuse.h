@@ -1,4 +1,4 @@
-// The steps that process, run and montecarlo share: settings in layers, simulation, fusion, evaluation. Nothing is written.
+// Steps shared by process, run and montecarlo: layers of settings, simulation, fusion, evaluation. No files are written.
 #pragma once
 
 #include "schuler/fusion/run_filter.h"
@@ -10,14 +10,14 @@
 
 namespace schuler::solution {
 
-/// A simulated data set with the settings `over` those it describes itself by; ready to be fused.
+/// A simulated data set with the settings `over` its own; ready for processing.
 [[nodiscard]] ResultBundle simulated_bundle(const settings::ScenarioConfig& scenario, const settings::SettingList& over,
                                             WarningLog& warnings, const settings::ScenarioConfig* assumed = nullptr);
 
-/// Rate (Hz) at which the filter reports for the evaluation, 0 = every IMU epoch, whatever is written afterwards.
+/// Output rate (Hz) of the filter for the evaluation, 0 = every IMU epoch, independent of the rate written later.
 [[nodiscard]] double internal_rate(const LoadedDataset& data);
 
-/// Fills result, evaluation and the time of the filter. `rows`: see fusion::run_filter. @throws Error
+/// Fills result, evaluation and the computing time of the filter. `rows`: see fusion::run_filter. @throws Error
 void fuse_and_evaluate(ResultBundle& bundle, WarningLog& warnings, double output_rate,
                        const std::function<void(double)>& progress, const fusion::RowSink& rows = {});
 

@@ -7,7 +7,7 @@
 namespace schuler::solution {
 namespace {
 
-/// The log's sigma, or the default where it has none.
+/// The log's sigma, or the default if it has none.
 Eigen::Vector3d sigma_or(const Eigen::Vector3d& logged, const Eigen::Vector3d& otherwise) {
     Eigen::Vector3d out = otherwise;
     for (int i = 0; i < 3; ++i) {

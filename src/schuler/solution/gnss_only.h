@@ -1,4 +1,4 @@
-// The receiver's own solution as a result: what a coupling has to beat.
+// The receiver's own solution as a result: the baseline for any coupling.
 #pragma once
 
 #include "schuler/core/samples.h"
@@ -7,7 +7,7 @@
 
 namespace schuler::solution {
 
-/// The fixes outside outages as solution rows at their time of validity, of the antenna; attitude NaN.
+/// The fixes outside outages as solution rows at their time of validity, at the antenna; attitude NaN.
 [[nodiscard]] fusion::Result gnss_solution(const Recording& recording, const fusion::Settings& settings);
 
 }  // namespace schuler::solution

@@ -30,7 +30,7 @@ SourceState state_of(const AidRecord& r) {
     return SourceState::Used;
 }
 
-/// Median step of instants in order, s; 0 of fewer than two.
+/// Median interval of instants in order, s; 0 for fewer than two.
 double usual_step(const std::vector<Instant>& instants) {
     std::vector<double> steps;
     for (std::size_t i = 1; i < instants.size(); ++i)
@@ -38,7 +38,7 @@ double usual_step(const std::vector<Instant>& instants) {
     return steps.empty() ? 0.0 : math::median(std::move(steps));
 }
 
-constexpr double rare = 0.1;  // share of brief samples among those around them, below which they are counted with these
+constexpr double rare = 0.1;  // fraction of brief samples among the surrounding ones, below which they are merged with these
 
 bool is_brief(const HealthInterval& h) {
     constexpr double brief = 1.0;  // s
@@ -51,8 +51,8 @@ void append(HealthInterval& to, const HealthInterval& h) {
     to.used += h.used;
 }
 
-/// Intervals without a silence between them: brief ones among many of one state are counted with these; where the states change to and fro,
-/// one interval says so.
+/// Intervals without a silence between them: brief ones within one state are merged with it; alternating states are represented
+/// by one interval.
 void add_settled(std::span<const HealthInterval> all, std::vector<HealthInterval>& out) {
     enum class Sort { Lasting, Rare, Unsettled };
     std::vector<Sort> sorts(all.size(), Sort::Lasting);
@@ -60,10 +60,10 @@ void add_settled(std::span<const HealthInterval> all, std::vector<HealthInterval
         if (!is_brief(all[i]) || all.size() == 1) continue;
         sorts[i] = Sort::Unsettled;
         if (i == 0 || i + 1 == all.size() || all[i - 1].state != all[i + 1].state) continue;
-        const auto n = static_cast<double>(all[i].samples);  // each neighbour is shared with the brief one behind it
+        const auto n = static_cast<double>(all[i].samples);  // each neighbour is shared with the following brief one
         if (n < rare * (n + 0.5 * static_cast<double>(all[i - 1].samples + all[i + 1].samples))) sorts[i] = Sort::Rare;
     }
-    // what lasts, but for less than what would make the brief ones at its two ends rare, is a part of the to and fro
+    // a longer state, but too short for the brief ones at its two ends to be rare, is part of the alternation
     for (std::size_t i = 1; i + 1 < all.size(); ++i) {
         const bool between =
             sorts[i - 1] == Sort::Unsettled && sorts[i + 1] == Sort::Unsettled && is_brief(all[i - 1]) && !is_brief(all[i]);
@@ -88,7 +88,7 @@ void add_settled(std::span<const HealthInterval> all, std::vector<HealthInterval
     }
 }
 
-/// The time that a run covers.
+/// The time covered by a run.
 struct Span {
     Time begin, end;
 };
@@ -118,7 +118,7 @@ std::vector<HealthInterval> intervals_of(std::string_view source, const std::vec
     return out;
 }
 
-/// Of the solution; where its rows were written and not kept, of the inertial samples from the start on.
+/// That of the solution; if its rows were written and not kept, that of the inertial samples from the start on.
 std::optional<Span> span_of(const LoadedDataset& data, const fusion::Result& result) {
     const std::vector<SolutionRow>& rows = result.forward.rows;
     if (!rows.empty()) return Span{rows.front().time, rows.back().time};
@@ -129,8 +129,8 @@ std::optional<Span> span_of(const LoadedDataset& data, const fusion::Result& res
                 stop ? std::min(*stop, imu.back().time) : imu.back().time};
 }
 
-/// One or two fixes without a record before the first that has one, or behind the last, are those that the start or the end of the run took part
-/// in. `records`: how many of the instants are records, which come first and in order.
+/// One or two fixes without a record before the first with one, or after the last, are those only partly covered by the run.
+/// `records`: number of instants that are records, which come first and in order.
 void drop_few_at_the_ends(std::vector<Instant>& instants, std::size_t records) {
     constexpr std::ptrdiff_t few = 2;
     const Time first = instants.front().time, last = instants[records - 1].time;
@@ -140,12 +140,12 @@ void drop_few_at_the_ends(std::vector<Instant>& instants, std::size_t records) {
     if (std::ranges::count_if(instants, behind) <= few) std::erase_if(instants, behind);
 }
 
-/// The inertial unit, sample by sample without a list of them: a long log has many.
+/// The inertial unit, processed sample by sample without a list, because a long log has many samples.
 std::vector<HealthInterval> imu_intervals(const std::vector<ImuSample>& samples, const fusion::ImuSettings& settings) {
     constexpr std::string_view source = "imu";
     if (samples.size() < 2) return {};
     std::vector<double> steps;
-    const std::size_t every = std::max<std::size_t>(1, samples.size() / 10'000);  // enough for their median
+    const std::size_t every = std::max<std::size_t>(1, samples.size() / 10'000);  // sufficient for their median
     for (std::size_t i = 1; i < samples.size(); i += every) steps.push_back((samples[i].time - samples[i - 1].time).seconds());
     const double nominal = math::median(std::move(steps));
     filter::HangWatch watch(std::max(nominal, 1e-6));
@@ -189,7 +189,7 @@ std::vector<HealthInterval> health_of(const LoadedDataset& data, const fusion::R
             if (r.kind == kind) records.push_back({r.stamp, state_of(r)});
         std::ranges::stable_sort(records, {}, &Instant::time);
         for (const Instant& r :
-             records) {  // parts of a fix that are of different ages are one sample: what was refused of it counts
+             records) {  // parts of a fix with different ages are one sample: a refused part determines its state
             if (instants.empty() || instants.back().time != r.time) instants.push_back(r);
             else if (r.state == SourceState::Refused) instants.back().state = r.state;
         }

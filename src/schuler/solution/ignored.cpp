@@ -14,7 +14,7 @@
 namespace schuler::solution {
 namespace {
 
-/// Keys that begin so have no effect where `idle` says why.
+/// Keys with this prefix have no effect, for the reason in `idle`.
 struct Rule {
     std::vector<std::string_view> keys;
     std::string reason;  ///< empty: they have an effect
@@ -22,7 +22,7 @@ struct Rule {
 
 std::string unless(bool effect, std::string reason) { return effect ? std::string() : std::move(reason); }
 
-/// Sigmas are stated of every fix.
+/// True if sigmas are stated for every fix.
 bool states_all(const std::vector<GnssFix>& fixes, Eigen::Vector3d GnssFix::*std, bool velocity) {
     return !fixes.empty() && std::ranges::all_of(fixes, [&](const GnssFix& f) {
         for (int i = 0; i < 3; ++i)
@@ -36,7 +36,7 @@ bool ranges_state_all(const RangingLog& log, double RangeSample::*std) {
     return !log.empty() && std::ranges::all_of(log.samples, stated);
 }
 
-/// A preset of which nothing is left.
+/// A preset that is entirely overruled by other settings.
 std::string why_preset_is_overruled(const settings::Config& c) {
     if (c.preset == "gravity27") return "these states are those of `schuler gravity`";
     return unless(c.preset != "ins21" || c.filter.scale_factors, "filter.scale_factors is given too, and off");
@@ -91,7 +91,7 @@ std::vector<Rule> inertial_rules(const ResultBundle& b) {
             {{"gravity.", "anomaly."}, "it belongs to `schuler gravity`"}};
 }
 
-/// `schuler gravity`: what gravimetry::gravity27 switches off. Without [initial] a run before it finds the start, with all of this.
+/// Settings disabled by gravimetry::gravity27 in `schuler gravity`. Without [initial], a prior run uses them to find the start.
 std::vector<Rule> gravity_rules(const ResultBundle& b) {
     const settings::Config& c = b.data.config;
     const char* what = c.filter.initial.rpy.allFinite() ? "" : "; it is used for the initial alignment only";
@@ -165,7 +165,7 @@ std::vector<Ignored> ignored_of(const ResultBundle& b, const std::set<std::strin
         const auto it = std::ranges::find(list, key, &settings::Setting::key);
         return it == list.end() ? std::string() : settings::to_toml(it->value);
     };
-    std::vector<Rule> rules = b.command == "gravity" ? gravity_rules(b) : std::vector<Rule>{};  // the first that fits speaks
+    std::vector<Rule> rules = b.command == "gravity" ? gravity_rules(b) : std::vector<Rule>{};  // the first match is used
     std::ranges::move(sensor_rules(b), std::back_inserter(rules));
     if (b.data.config.scheme == settings::Scheme::Gnss && b.command != "gravity")
         rules.insert(rules.begin(),

@@ -1,4 +1,4 @@
-// Settings that were given and cannot have had an effect on a run.
+// Settings that were given but cannot have had an effect on a run.
 #pragma once
 
 #include "schuler/solution/bundle.h"
@@ -9,11 +9,11 @@
 
 namespace schuler::solution {
 
-/// Of the keys that a user gave, those that the run had no use for, each with the reason. A value equal to the default
-/// is left out.
+/// The given keys that were not used by the run, each with the reason. A value equal to the default is
+/// omitted.
 [[nodiscard]] std::vector<Ignored> ignored_of(const ResultBundle& bundle, const std::set<std::string>& given);
 
-/// One warning a reason, with the keys that it holds for.
+/// One warning per reason, with the keys it applies to.
 void warn_of_ignored(const std::vector<Ignored>& ignored, WarningLog& warnings);
 
 }  // namespace schuler::solution

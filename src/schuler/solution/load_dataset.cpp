@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What the settings say of how the files are read.
+/// Reading options defined by the settings.
 dataset::Reading reading_of(const settings::Config& c) {
     dataset::Reading reading;
     reading.imu = c.scheme != settings::Scheme::Gnss;
@@ -36,14 +36,14 @@ dataset::Reading reading_of(const settings::Config& c) {
     return reading;
 }
 
-/// What the files state takes effect.
+/// Applies the statements of the files.
 void take_stated(const dataset::ReadFiles& files, settings::Config& c) {
     if (files.imu_kind) c.filter.imu.kind = *files.imu_kind;
     const bool sea_level = files.fix_height == io::HeightKind::Msl || files.fix_height == io::HeightKind::Autopilot;
     if (sea_level && c.filter.gnss.height == fusion::HeightKind::Ellipsoidal) c.filter.gnss.height = fusion::HeightKind::Msl;
 }
 
-/// Ranges, and fixes from them where there are no others.
+/// Ranges, and fixes from them if there are no others.
 void read_ranges(const fs::path& folder, LoadedDataset& out, WarningLog& warnings) {
     settings::Config& c = out.config;
     const bool csv = !c.ranges.file.empty();
@@ -61,7 +61,7 @@ void read_ranges(const fs::path& folder, LoadedDataset& out, WarningLog& warning
     if (out.recording.gnss.empty() && c.gnss.file.empty()) take_fixes_from_ranges(out);
 }
 
-/// Heights above mean sea level become ellipsoidal where the undulation is known.
+/// Converts heights above mean sea level to ellipsoidal ones if the undulation is known.
 void settle_heights(LoadedDataset& out, WarningLog& warnings) {
     settings::Config& c = out.config;
     out.logged_height = c.filter.gnss.height;
@@ -75,7 +75,7 @@ void settle_heights(LoadedDataset& out, WarningLog& warnings) {
                  "heights are above mean sea level and are used as they are; give gnss.undulation_m for ellipsoidal ones");
 }
 
-/// Instants at which the solution is wanted, in order.
+/// Requested output instants, in order.
 void settle_events(LoadedDataset& out, const fs::path& folder) {
     settings::Config& c = out.config;
     if (!c.output.events.empty())
@@ -112,7 +112,7 @@ void settle_times(LoadedDataset& out) {
     if (!std::isnan(out.config.initial_time)) f.initial.time = Time::from_seconds(out.config.initial_time);
 }
 
-/// Assumed errors of gauges, DVL and compass: the filter has it where it has the samples.
+/// Assumed errors of gauges, DVL and compass, for the instruments with samples.
 void assume_aid_errors(settings::Config& c) {
     const settings::AidsConfig& aids = c.aids;
     c.filter.gauges.std = aids.gauges.white;
@@ -127,9 +127,9 @@ void assume_aid_errors(settings::Config& c) {
     c.filter.heading.offset_std = aids.compass.bias;
 }
 
-/// Near the poles the geographic frame is of no use: the Earth-fixed one is taken where none is given.
+/// Near the poles the geographic frame is not usable: the Earth-fixed one is selected if none is given.
 void choose_mechanization(LoadedDataset& data) {
-    // there the geographic frame turns too fast beneath a vehicle: tan(lat) v / R
+    // there the geographic frame rotates too fast beneath a vehicle: tan(lat) v / R
     constexpr double polar_latitude = 85.0 * units::deg;
     const auto polar = [](const GnssFix& fix) { return std::abs(fix.position.lat) > polar_latitude; };
     if (data.given.contains("filter.mechanization") || std::ranges::none_of(data.recording.gnss, polar)) return;

@@ -15,7 +15,7 @@ RangingLog ranges_from_raw(const std::filesystem::path& folder, settings::Config
     f.ionosphere = raw.ionosphere;
     f.sigma_by_elevation = true;
     if (!given.contains("ranges.slow_by_model")) f.slow_by_model = !given.contains("ranges.correlated_m");
-    // Receivers run on temperature-compensated crystals, off by a millionth or so, and let their clock wander within a millisecond.
+    // Receivers use temperature-compensated crystals accurate to about a millionth, and let their clock drift within a millisecond.
     constexpr double wander = 3e5, off = 1000.0;  // m, m/s
     sensor::Oscillator& clock = f.errors.clock;
     const bool kind = given.contains("ranges.clock");

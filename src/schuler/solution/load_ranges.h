@@ -1,4 +1,4 @@
-// What ranges of a data set mean for the filter.
+// Preparation of a data set's ranges for the filter.
 #pragma once
 
 #include "schuler/settings/config/config.h"
@@ -9,13 +9,13 @@
 
 namespace schuler::solution {
 
-/// The receiver's raw measurements as ranges free of satellite clocks, in GPS time; sets what follows for the filter's corrections.
-/// `given`: keys whose values stay.
+/// The receiver's raw measurements as ranges corrected for satellite clocks, in GPS time; sets the corresponding corrections of
+/// the filter. `given`: keys whose values are kept.
 [[nodiscard]] RangingLog ranges_from_raw(const std::filesystem::path& folder, settings::Config& config,
                                          const std::set<std::string>& given, WarningLog& warnings);
 
-/// Gives the recording its fixes from its ranges. Where the ranges' slow error is given (ranges.correlated_m) and that of the fixes is not
-/// (gnss.correlated_m), the filter assumes the second as derived from the first, and the facts record it (docs/estimation.md).
+/// Adds fixes computed from its ranges to the recording. If the slow error of the ranges is given (ranges.correlated_m) but not
+/// that of the fixes (gnss.correlated_m), the latter is derived from the former, and recorded as a fact (docs/estimation.md).
 void take_fixes_from_ranges(LoadedDataset& data);
 
 }  // namespace schuler::solution

@@ -1,4 +1,4 @@
-// A data set loaded into a recording, with its settings settled: what a run starts from.
+// A data set loaded into a recording, with final settings: the input of a run.
 #pragma once
 
 #include "schuler/core/aid_samples.h"
@@ -14,25 +14,25 @@
 
 namespace schuler::solution {
 
-/// A recording with what loading has found about its settings.
+/// A recording with the findings of loading about its settings.
 struct LoadedDataset {
     Recording recording;               ///< times on the data set's own axis
-    dataset::CarrierPhase carrier;     ///< whose fixes are those of the recording, where there is a base
-    std::vector<NamedInstant> events;  ///< in order of time: those of filter.output_instants
+    dataset::CarrierPhase carrier;     ///< its fixes are those of the recording, if there is a base
+    std::vector<NamedInstant> events;  ///< in time order: those of filter.output_instants
     settings::Config config;
     Time origin;                  ///< zero of the command line's times: first GNSS epoch, else first IMU epoch
-    std::set<std::string> given;  ///< keys of the settings that a user or a scenario gave
-    std::vector<Fact> facts;      ///< what the files state or show
+    std::set<std::string> given;  ///< keys of the settings given by a user or a scenario
+    std::vector<Fact> facts;      ///< stated or shown by the files
     fusion::HeightKind logged_height = fusion::HeightKind::Ellipsoidal;  ///< before an undulation was added
     bool true_reference = false;                                         ///< the reference is simulated truth
     double read_seconds = 0.0;
 };
 
-/// Reads the files that the settings name and settles what depends on them (heights, start, stop, outages).
+/// Reads the files named by the settings and completes the dependent settings (heights, start, stop, outages).
 /// @throws Error(Input) with file, line, column or key.
 [[nodiscard]] LoadedDataset load_dataset(const settings::Dataset& dataset, const settings::Config& config, WarningLog& warnings);
 
-/// Settles times and axes of a recording that is in memory; `given`: keys of the settings that somebody gave.
+/// Determines times and axes of a recording in memory; `given`: keys of the given settings.
 [[nodiscard]] LoadedDataset settled_dataset(Recording recording, const settings::Config& config, WarningLog& warnings,
                                             std::set<std::string> given = {});
 

@@ -16,7 +16,7 @@
 namespace schuler::solution {
 namespace {
 
-/// What is reported of every run, in this order; further keys of these sections where they are given or found.
+/// Reported for every run, in this order; further keys of these sections if given or found.
 constexpr std::array reported = {"time.scale",
                                  "vehicle.kind",
                                  "imu.file",
@@ -53,7 +53,7 @@ bool describes_data(std::string_view key) {
                                [&](std::string_view section) { return key.starts_with(section); });
 }
 
-/// The largest of a value's numbers: what a relative sigma is a share of.
+/// The largest of a value's numbers: the reference of a relative sigma.
 double size_of(const FactValue& value) {
     if (const double* x = std::get_if<double>(&value)) return std::abs(*x);
     double size = 0.0;
@@ -67,7 +67,7 @@ const Fact* named(const std::vector<Fact>& facts, std::string_view key) {
     return it == facts.end() ? nullptr : &*it;
 }
 
-/// Latencies that are not set take the place of another one.
+/// A latency that is not set is replaced by another one.
 std::optional<double> latency_in_force(const fusion::Findings& f, std::string_view key) {
     if (key == "gnss.latency_s") return f.position_latency;
     if (key == "gnss.velocity_latency_s") return f.velocity_latency;
@@ -185,7 +185,7 @@ void take_in_force(settings::Config& c, const fusion::Findings& findings) {
 
 std::string config_in_force(const LoadedDataset& data) {
     settings::Config c = data.config;
-    c.filter.gnss.height = data.logged_height;  // the log is read once more, with its heights as they are
+    c.filter.gnss.height = data.logged_height;  // the log is read again, with its original heights
     return settings::to_toml(settings::config_table().used(c), settings::config_table().specs(), true);
 }
 
@@ -194,7 +194,7 @@ std::vector<Fact> facts_of(const ResultBundle& b) {
     std::vector<std::string> keys(reported.begin(), reported.end());
     const auto add = [&](const std::string& key) {
         if (!describes_data(key) || std::ranges::find(keys, key) != keys.end()) return;
-        const std::string section = key.substr(0, key.find('.') + 1);  // beside those of its section
+        const std::string section = key.substr(0, key.find('.') + 1);  // together with those of its section
         const auto last = std::find_if(keys.rbegin(), keys.rend(), [&](const std::string& k) { return k.starts_with(section); });
         keys.insert(last == keys.rend() ? keys.end() : last.base(), key);
     };

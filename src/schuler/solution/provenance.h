@@ -1,4 +1,4 @@
-// How each setting of a run is known, with the values that were in force; and the settings that repeat the run.
+// Origin of each setting of a run, with the values in force; and the settings that repeat the run.
 #pragma once
 
 #include "schuler/core/fact.h"
@@ -10,16 +10,16 @@
 
 namespace schuler::solution {
 
-/// Replaces settings to be estimated by the values that the run found, so that the settings repeat it.
+/// Replaces settings to be estimated by the values found in the run, so that the settings repeat it.
 void take_in_force(settings::Config& config, const fusion::Findings& findings);
 
-/// Every setting as it was in force, as TOML that repeats the run.
+/// All settings in force, as TOML that repeats the run.
 [[nodiscard]] std::string config_in_force(const LoadedDataset& data);
 
 /// The settings that describe the data, in the order of dataset.toml, each with its value in force.
 [[nodiscard]] std::vector<Fact> facts_of(const ResultBundle& bundle);
 
-/// Neither a default nor a given value that is the default's anyway.
+/// True if it is not a default, nor a given value equal to the default.
 [[nodiscard]] bool is_news(const Fact& fact);
 
 }  // namespace schuler::solution

@@ -18,7 +18,7 @@ namespace {
 using fusion::AidKind;
 using fusion::AidStatus;
 
-/// Where a run stands still and where it turns.
+/// Intervals of standstill and turns in a run.
 class Regimes {
 public:
     explicit Regimes(const std::vector<SolutionRow>& rows) : rows_(rows) {}
@@ -38,7 +38,7 @@ private:
     const std::vector<SolutionRow>& rows_;
 };
 
-/// Fixes of the undisturbed run with what became of them.
+/// Fixes of the undisturbed run with their status.
 std::vector<CheckFix> fixes_of(const LoadedDataset& data, const fusion::Result& result) {
     std::vector<CheckFix> fixes;
     const Regimes regime(result.forward.rows);
@@ -47,7 +47,7 @@ std::vector<CheckFix> fixes_of(const LoadedDataset& data, const fusion::Result& 
         if (r.kind == AidKind::GnssPosition && r.sigma.x() > 0.0 && r.status != AidStatus::Withheld)
             fixes.push_back({t(r.stamp), r.status == AidStatus::Accepted && !r.other_level, regime.at(r.stamp) != Regime::Rest});
     if (!fusion::uses_ranges(data.config.filter.coupling)) return fixes;
-    for (const GnssFix& fix : data.recording.gnss)  // which are only compared with
+    for (const GnssFix& fix : data.recording.gnss)  // used for comparison only
         if (fix.fix != FixType::None && std::isfinite(fix.position.lat))
             fixes.push_back({t(fix.time), true, regime.at(fix.time) != Regime::Rest});
     return fixes;
@@ -70,7 +70,7 @@ std::array<FixRegime, regimes> by_regime(const fusion::Result& result, const Reg
     return out;
 }
 
-/// Every other window, beginning with this one.
+/// Every second window, starting with this one.
 std::vector<std::size_t> half(std::size_t count, std::size_t first) {
     std::vector<std::size_t> out;
     for (std::size_t i = first; i < count; i += 2) out.push_back(i);
@@ -93,13 +93,13 @@ public:
         return s;
     }
 
-    /// The withheld fixes of these windows that were not refused in the undisturbed run; `motion` gets the run's rows.
+    /// The withheld fixes of these windows that were not refused in the undisturbed run; `motion` receives the run's rows.
     std::vector<WithheldEpoch> run(fusion::Settings settings, const std::vector<std::size_t>& chosen,
                                    std::vector<SolutionRow>& motion) const {
         settings.smooth = settings.state_rows = settings.covariance_rows = settings.backward = false;
         settings.output_instants.clear();
         settings.output_lever_arm_b.setZero();
-        constexpr double rate = 5.0;  // Hz: enough to see how it moves
+        constexpr double rate = 5.0;  // Hz: sufficient to show the motion
         settings.output_rate = rate;
         const std::size_t first = settings.outages.size();
         for (const std::size_t k : chosen) settings.outages.push_back(windows_.windows[k]);
@@ -132,14 +132,14 @@ std::vector<WithheldEpoch> both(const std::vector<WithheldEpoch>& a, const std::
     return all;
 }
 
-/// Neither a barometer nor wheels carry the height while there is no fix.
+/// True if neither a barometer nor wheels support the height while there is no fix.
 bool height_is_free(const LoadedDataset& data, const fusion::Settings& s) {
     return (data.recording.baro.empty() || !s.baro.use) && !s.aids.nonholonomic && !s.aids.nonholonomic_auto;
 }
 
 using Halves = std::array<std::vector<WithheldEpoch>, 2>;
 
-/// Both halves of the windows with wider noise until the half that speaks is covered, asks for no more, or is none the better for it.
+/// Both halves of the windows with increased noise until the requesting half is covered, requires no more, or does not improve.
 Halves with_wider_noise(const Checker& checker, const std::array<std::vector<std::size_t>, 2>& windows, double length,
                         std::size_t speaks, int axes, int trials, double share, NoiseScale& scale) {
     Halves now;
@@ -180,20 +180,20 @@ void check(SelfCheck& out, const LoadedDataset& data, const fusion::Result& resu
     if (covers(out.coverage) || imu.gyro_noise_scale || imu.accel_noise_scale || data.config.scheme == settings::Scheme::Separate)
         return;
 
-    // The second half speaks where the first has nothing to ask for.
+    // The second half is used if the first requires nothing.
     const int axes = height_is_free(data, *found.in_force) ? 3 : 2;
     std::size_t speaks = 0;
     NoiseScale scale = missing_noise(epochs[0], axes);
     if (scale.is_one()) scale = missing_noise(epochs[speaks = 1], axes);
     if (scale.is_one()) return;
-    constexpr std::size_t short_log = 300'000;  // IMU epochs: a walk along them takes a fraction of what start-up took
+    constexpr std::size_t short_log = 300'000;  // IMU epochs: processing them takes a fraction of the start-up time
     const int trials = data.recording.imu.size() <= short_log ? 3 : 1;
     const double share = coverage_of(epochs[speaks], windows.length).epochs.share();
     Halves now = with_wider_noise(checker, halves, windows.length, speaks, axes, trials, share, scale);
     const std::size_t judges = 1 - speaks;
     Coverage without = coverage_of(epochs[judges], windows.length), with = coverage_of(now[judges], windows.length);
-    // What covers one half and not the other is too little: then the other half speaks as well, each is judged with what the other one asks
-    // for, and the larger noise is taken.
+    // A noise sufficient for one half but not for the other is too small: the other half is then used as well, each is evaluated
+    // with the noise required by the other, and the larger noise is adopted.
     const NoiseScale others = covers(with) ? NoiseScale{} : missing_noise(epochs[judges], axes);
     if (others.gyro > scale.gyro || others.accel > scale.accel) {
         NoiseScale second = others;
@@ -214,8 +214,8 @@ void check(SelfCheck& out, const LoadedDataset& data, const fusion::Result& resu
     }
     out.tried = scale;
     const Coverage all = coverage_of(both(now[0], now[1]), windows.length);
-    // Noise that makes the sigmas of the judging windows no truer, or the errors in them much larger, is not what was missing. Where they
-    // had been covered already, one manoeuvre say in the other windows alone, the noise is wanted if it covers these.
+    // Noise that does not improve the sigmas of the evaluated windows, or increases their errors considerably, was not missing. If
+    // they were already covered, for example with a single manoeuvre in the other windows, the noise is adopted if it covers these.
     const auto gain = [](const Coverage& before, const Coverage& after) {
         return (after.epochs.share() - before.epochs.share()) + (after.held.share() - before.held.share());
     };

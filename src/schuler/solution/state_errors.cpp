@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-/// The element of a series in order of time at this very time (to a microsecond), or nothing.
+/// The element of a time-ordered series at exactly this time (to a microsecond), or null.
 template <class Series>
 const typename Series::value_type* at(const Series& series, Time time) {
     constexpr std::int64_t same_instant_ns = 1'000;

@@ -1,4 +1,4 @@
-// Errors of a filter's states against a simulated truth, block by block, normalised by the filter's own covariances.
+// Errors of a filter's states relative to a simulated truth, by block, normalised by the filter's own covariances.
 #pragma once
 
 #include "schuler/core/samples.h"
@@ -15,14 +15,14 @@
 
 namespace schuler::solution {
 
-/// Truth that no file of a data set has: sensor errors in body axes, slow errors of receiver and barometer.
+/// Truth not contained in any file of a data set: sensor errors in body axes, slow errors of receiver and barometer.
 struct HiddenTruth {
     std::vector<sim::SensorTruth> sensors;
     std::vector<sim::GnssTruth> gnss;
     std::vector<sim::BaroTruth> baro;
 };
 
-/// Of simulated data; the biases are turned from sensor to body axes.
+/// For simulated data; the biases are rotated from sensor to body axes.
 [[nodiscard]] HiddenTruth hidden_truth(const sim::SimulatedData& data, const fusion::ImuSettings& imu);
 
 /// Blocks in the order of StateErrors.
@@ -30,14 +30,14 @@ struct StateBlockName {
     std::string_view name;  ///< in files: "position", "gyro_bias", ...
     std::array<std::string_view, 3> axis;
     std::string_view unit;  ///< of tables and files
-    double si;              ///< size of that unit
+    double si;              ///< size of that unit in SI
     int dof;
 };
 inline constexpr std::size_t state_blocks = 8;
 [[nodiscard]] const std::array<StateBlockName, state_blocks>& state_block_names();
 
-/// Estimate minus truth at one time. Position, velocity, attitude (phi of the local level) and the receiver's errors: east,
-/// north, up; sensor biases: body x, y, z; the barometer's bias in the first component. NaN where there is no such state or no
+/// Estimate minus truth at one instant. Position, velocity, attitude (phi of the local level) and the receiver's errors: east,
+/// north, up; sensor biases: body x, y, z; the barometer's bias in the first component. NaN if there is no such state or no
 /// truth.
 struct StateErrors {
     Time time;
@@ -45,7 +45,7 @@ struct StateErrors {
     std::array<double, state_blocks> nees;            ///< normalised squared by the block's covariance
 };
 
-/// One row for each state row whose time is a time of the reference.
+/// One row for each state row whose time is also a time of the reference.
 [[nodiscard]] std::vector<StateErrors> state_errors(const std::vector<fusion::StateRow>& rows, const earth::Earth& earth,
                                                     const std::vector<ReferenceSample>& reference, const HiddenTruth& truth);
 

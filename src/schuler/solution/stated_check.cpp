@@ -18,7 +18,7 @@ struct Estimate {
     Vector3d value, std;
 };
 
-/// The lever arm at the end of a run that has it as a state.
+/// The lever arm at the end of a run with it as a state.
 std::optional<Estimate> at_the_end(const LoadedDataset& data, fusion::Settings settings) {
     WarningLog heard;  // already
     settings.smooth = settings.covariance_rows = settings.backward = false;
@@ -66,7 +66,7 @@ std::optional<LeverArmDoubt> doubt_of_lever_arm(const LoadedDataset& data, const
     doubt.settings.estimate_lever_arm = true;
     doubt.given_b = doubt.settings.gnss.lever_arm_b;
     constexpr int walks = 3;
-    constexpr double settled = 0.5;  // m, half the sigma with which the state begins
+    constexpr double settled = 0.5;  // m, half the initial sigma of the state
     for (int k = 0; k < walks; ++k) {
         fusion::Settings trial = doubt.settings;
         if (k > 0) trial.gnss.lever_arm_b = doubt.found_b;
@@ -77,7 +77,7 @@ std::optional<LeverArmDoubt> doubt_of_lever_arm(const LoadedDataset& data, const
         if ((e->value - trial.gnss.lever_arm_b).cwiseAbs().maxCoeff() < settled) break;
     }
     const Vector3d off = (doubt.found_b - doubt.given_b).cwiseAbs();
-    // down goes into the height of the unit where nothing tilts; centimetres are the receiver's
+    // without tilt the down component is absorbed by the height of the unit; centimetres are within the receiver's errors
     constexpr double least = 0.1, sure = 0.3;  // m
     const auto beyond = [&](double sigmas, double metres) {
         return ((off.array() > sigmas * doubt.std_b.array()) && (off.array() > metres)).any();

@@ -13,41 +13,41 @@ struct Row {
     Gravity gravity;
 };
 
-/// Topics of warnings and findings by what they begin with; the first row that fits decides. What only describes the data or says what
-/// was done about them is of no gravity and left out.
+/// Prefixes of topics of warnings and findings; the first match is used. Topics that only describe the data or their treatment
+/// have no severity and are omitted.
 constexpr std::array table{
-    // of the solution (evidence.h)
+    // about the solution (evidence.h)
     Row{"solution.sigma", Gravity::DoNotUse},    // zero or not a number
-    Row{"solution.useless", Gravity::DoNotUse},  // uncertain beyond use for most of the log, in spite of fixes
-    Row{"solution.adrift", Gravity::Care},       // uncertain beyond use for a while
-    Row{"solution.heading", Gravity::Care},      // it moves, and its heading is not known in the end
+    Row{"solution.useless", Gravity::DoNotUse},  // too uncertain for most of the log, in spite of fixes
+    Row{"solution.adrift", Gravity::Care},       // too uncertain for a while
+    Row{"solution.heading", Gravity::Care},      // in motion, with unknown heading at the end
     Row{"truth.lost", Gravity::DoNotUse},        // simulated: far outside the sigmas most of the time
     Row{"truth.outside", Gravity::Care},
-    // of the fixes
+    // about the fixes
     Row{"gnss.rejected", Gravity::DoNotUse},      // more refused than used
-    Row{"gnss.contradicted", Gravity::DoNotUse},  // the solution is another one than the receiver's
+    Row{"gnss.contradicted", Gravity::DoNotUse},  // the solution differs from the receiver's
     Row{"gnss.none", Gravity::Care},
     Row{"gnss.refused", Gravity::Care},
-    Row{"gnss.outside", Gravity::Care},          // used, and outside their sigmas too often
-    Row{"gnss.lost", Gravity::Care},             // refused for many seconds in a row
+    Row{"gnss.outside", Gravity::Care},          // used, but outside their sigmas too often
+    Row{"gnss.lost", Gravity::Care},             // refused over many consecutive seconds
     Row{"gnss.latency", Gravity::Care},          // not known well enough for the speed
-    Row{"gnss.explained", Gravity::Care},        // by larger errors of the receiver than were assumed
-    Row{"gnss.alert", Gravity::Care},            // the receiver was taken for faulty
+    Row{"gnss.explained", Gravity::Care},        // by larger receiver errors than assumed
+    Row{"gnss.alert", Gravity::Care},            // the receiver was considered faulty
     Row{"gnss.jump", Gravity::Care},             // its positions moved to another level
-    Row{"navigation.lost", Gravity::Care},       // attitude and biases were found anew
-    Row{"navigation.realigned", Gravity::Care},  // and all of the start
-    // of the self-check
-    Row{"self_check.failed", Gravity::DoNotUse},  // nine tenths or less inside three sigma
+    Row{"navigation.lost", Gravity::Care},       // attitude and biases were re-estimated
+    Row{"navigation.realigned", Gravity::Care},  // all of the initial state as well
+    // about the self-check
+    Row{"self_check.failed", Gravity::DoNotUse},  // nine tenths or fewer inside three sigma
     Row{"self_check.low", Gravity::Care},
     Row{"self_check.growth", Gravity::Care},
     Row{"self_check.none", Gravity::Care},
-    // of start-up and of the logs (warnings)
+    // about start-up and the logs (warnings)
     Row{"start.heading", Gravity::Care},
     Row{"forward.supposed", Gravity::Care},
-    Row{"mounting", Gravity::Care},  // not found: forward is supposed
+    Row{"mounting", Gravity::Care},  // not found: forward is assumed
     Row{"loop.open", Gravity::Care},
     Row{"time.overlap", Gravity::Care},
-    Row{"imu.saturated", Gravity::DoNotUse},  // so often that the log does not hold the motion
+    Row{"imu.saturated", Gravity::DoNotUse},  // so often that the log does not represent the motion
     Row{"imu.hole", Gravity::Care},
     Row{"legs.left_out", Gravity::Care},
     Row{"imu.stuck", Gravity::Care},

@@ -1,4 +1,4 @@
-// Whether a solution may be trusted: concerns with their severity, and the verdict that follows.
+// Trustworthiness of a solution: concerns with their severity, and the resulting verdict.
 #pragma once
 
 #include <string>
@@ -7,10 +7,10 @@
 
 namespace schuler::solution {
 
-/// In order: what it takes to be trusted falls.
+/// In order of decreasing trust.
 enum class Gravity { None, Care, DoNotUse };
 
-/// Something that is known of a run: a warning's topic or a finding of its own (evidence.h).
+/// Information about a run: the topic of a warning or a separate finding (evidence.h).
 struct Concern {
     std::string id;
     std::string text;
@@ -18,19 +18,19 @@ struct Concern {
 
 struct SolutionVerdict {
     Gravity word = Gravity::Care;
-    std::vector<std::string> reasons;  ///< the most severe first; of a trustworthy solution: the evidence for it
+    std::vector<std::string> reasons;  ///< the most severe first; for a trustworthy solution: the evidence for it
 };
 
-/// Its severity, by the one table of all topics; a topic that is not in it has none.
+/// Its severity from the single table of all topics; none for a topic not in it.
 [[nodiscard]] Gravity gravity_of(std::string_view id);
 
-/// The most severe of the concerns decides. Without evidence of its quality no solution is trustworthy: at least one concern must begin
-/// with "evidence.".
+/// The most severe concern determines the verdict. Without evidence of its quality no solution is trustworthy: at least one
+/// concern must begin with "evidence.".
 [[nodiscard]] SolutionVerdict verdict_of(const std::vector<Concern>& concerns);
 
-/// "trustworthy", "care", "do not use": of summary.json.
+/// "trustworthy", "care", "do not use": in summary.json.
 [[nodiscard]] std::string_view word_of(Gravity gravity);
-/// "trustworthy", "usable with care", "do not use": for people.
+/// "trustworthy", "usable with care", "do not use": for display.
 [[nodiscard]] std::string_view words_of(Gravity gravity);
 /// One line for the terminal.
 [[nodiscard]] std::string line_of(const SolutionVerdict& verdict);

@@ -26,9 +26,9 @@ namespace schuler::study {
 namespace {
 
 constexpr std::size_t least_samples = 64, longest_segment = 16384;
-constexpr double lines_per_decade = 48.0;  // of the spectrum that is given out
+constexpr double lines_per_decade = 48.0;  // of the spectrum in the output
 
-/// Units in which the field tells a sensor's noise, as divisors of SI.
+/// Customary units of sensor noise, as divisors of SI.
 struct SensorUnits {
     const char *name, *rate, *density, *white, *walk, *ramp, *quantization;
     double si_rate, si_white, si_quantization;
@@ -68,7 +68,7 @@ ImuLog imu_of(const settings::ProcessRequest& request, WarningLog& warnings) {
     return {config.name.empty() ? dataset.name : config.name, solution::load_dataset(dataset, config, warnings)};
 }
 
-/// The spectrum's lines as amplitude densities, averaged so that a logarithmic axis is evenly filled.
+/// The spectrum as amplitude densities, averaged for even spacing on a logarithmic axis.
 report::Json spectrum_of(const AxisNoise& a) {
     const std::vector<double> density = a.spectrum.density();
     std::vector<double> frequency, amplitude;
@@ -112,7 +112,7 @@ report::Json axis_json(const AxisNoise& a) {
     // clang-format on
 }
 
-/// The units differ between gyros and accelerometers: they stand with the numbers.
+/// The units differ between gyros and accelerometers and are therefore printed with the numbers.
 std::string tables_of(const report::Json& out) {
     report::ResultTable table{
         fmt::format("{}: {:.0f} s at {:.6g} Hz, {} gaps", out["name"].get<std::string>(), out["duration_s"].get<double>(),
@@ -147,7 +147,7 @@ report::Outcome analyze_allan(const settings::ProcessRequest& request) {
         throw input_error(fmt::format("{} samples are too few for an Allan deviation", n), {.file = request.input.string()},
                           fmt::format("give at least {}", least_samples));
     const double dt = imu.median_dt;
-    // some eight segments at least, so that the density is more than noise
+    // at least about eight segments, so that the density is more than noise
     const std::size_t segment = std::min(longest_segment, std::bit_floor(n / 4));
     std::vector<AxisNoise> axes;
     for (const SensorUnits* unit : {&gyro_units, &accel_units})

@@ -6,9 +6,9 @@
 
 namespace schuler::study {
 
-/// Allan deviations, coefficients and spectra of the six body axes, over the stretch that the settings' start and stop leave.
-/// Of a scenario: of the IMU it simulates. Only an instrument at rest shows its noise alone.
-/// @throws Error(Input) where the log is too short
+/// Allan deviations, coefficients and spectra of the six body axes, over the interval defined by start and stop. For a scenario:
+/// of its simulated IMU. Only an instrument at rest shows its noise alone.
+/// @throws Error(Input) if the log is too short
 [[nodiscard]] report::Outcome analyze_allan(const settings::ProcessRequest& request);
 
 }  // namespace schuler::study

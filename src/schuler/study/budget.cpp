@@ -1,4 +1,4 @@
-// Where the errors come from: one source at a time is simulated, the filter assumes all of them.
+// Error budget: one source at a time is simulated, the filter assumes all of them.
 #include "schuler/core/parallel.h"
 #include "schuler/core/units.h"
 #include "schuler/report/inner/json.h"
@@ -27,7 +27,7 @@ struct Source {
     bool (*present)(const settings::ScenarioConfig& full) = [](const settings::ScenarioConfig&) { return true; };
 };
 
-// The parts of a scenario that have errors, for reading and for writing.
+// The parts of a scenario with errors, for reading and writing.
 constexpr auto imu = [](auto& s) -> auto& { return s.sim.imu.errors; };
 constexpr auto start = [](auto& s) -> auto& { return s.initial_error; };
 constexpr auto gnss = [](auto& s) -> auto& { return s.sim.gnss; };
@@ -46,7 +46,7 @@ template <auto Part, auto... Fields>
 void keep(const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
     ((Part(bare).*Fields = Part(full).*Fields), ...);
 }
-/// Whether there is the instrument.
+/// True if the instrument exists.
 template <auto Part>
 bool sampled(const settings::ScenarioConfig& s) {
     return Part(s).rate > 0.0;
@@ -154,7 +154,7 @@ report::Outcome analyze_budget(const StudyRequest& request) {
     std::vector<const Source*> sources;
     for (const Source& s : all_sources)
         if (s.present(first)) sources.push_back(&s);
-    const std::size_t rows = sources.size() + 1;  // the last one: everything at once
+    const std::size_t rows = sources.size() + 1;  // the last one: all sources together
     std::vector<std::vector<ErrorMeasures>> all(rows, std::vector<ErrorMeasures>(request.runs));
     for_each_run(
         rows * request.runs, request.jobs,

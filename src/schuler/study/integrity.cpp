@@ -1,4 +1,4 @@
-// Faults of the receiver, injected into its log, against the integrity monitor.
+// Faults of the receiver, injected into its log, as a test of the integrity monitor.
 #include "schuler/analysis/ensemble.h"
 #include "schuler/core/parallel.h"
 #include "schuler/report/inner/json.h"
@@ -19,13 +19,13 @@
 namespace schuler::study {
 namespace {
 
-/// A kind of fault as a scenario names it, and its size.
+/// A kind of fault as named in a scenario, and its size.
 struct Case {
     std::string kind;
     double size;
 };
 
-/// When something was found wrong, and the source of ranges it was found of; -1: the receiver's fixes.
+/// Time of a detected fault, and its source of ranges; -1: the receiver's fixes.
 struct Finding {
     Time time;
     int source = -1;
@@ -34,14 +34,14 @@ struct Finding {
 
 struct Verdict {
     bool detected = false, false_alarm = false;
-    double time_to_alert = 0.0;  ///< s, where detected
+    double time_to_alert = 0.0;  ///< s, if detected
     double controlled = 0.0;     ///< m, largest horizontal error from the fault on
     double uncontrolled = 0.0;   ///< m, likewise without integrity control and gates
     double healthy_hours = 0.0;
 };
 
-/// What the faults are put into: the receiver's fixes, or the pseudorange of a satellite where the filter, or the receiver of a loose one,
-/// has nothing but ranges.
+/// Target of the faults: the receiver's fixes, or the pseudorange of a satellite if the filter, or a loosely coupled receiver,
+/// only uses ranges.
 enum class Victim { Fixes, Range };
 
 double largest_error(const solution::ResultBundle& b, double from) {
@@ -51,15 +51,15 @@ double largest_error(const solution::ResultBundle& b, double from) {
     return out;
 }
 
-/// With control: what it finds wrong. Of ranges: alarms of the fault watch, and pseudoranges left out at two epochs running (of one epoch
-/// the gates leave some out by their probability).
+/// Findings with integrity control. For ranges: alarms of the fault watch, and pseudoranges excluded at two consecutive epochs
+/// (at a single epoch the gates exclude some with their false-alarm probability).
 std::vector<Finding> findings_of(const solution::ResultBundle& b) {
     std::vector<Finding> out;
     for (const fusion::Alert& a : b.result.alerts)
         if (a.test != fusion::IntegrityTest::Readmitted) out.push_back({a.time, -1});
     for (const fusion::ProtectionRow& row : b.result.forward.protection)
         if (row.alarm >= 0) out.push_back({row.time, row.alarm});
-    std::map<int, bool> left_out;  // whether a source was at its last epoch
+    std::map<int, bool> left_out;  // whether a source was excluded at its last epoch
     for (const fusion::AidRecord& r : b.result.aids) {
         if (r.kind != fusion::AidKind::Pseudorange) continue;
         const bool now = r.status == fusion::AidStatus::Rejected;
@@ -70,8 +70,8 @@ std::vector<Finding> findings_of(const solution::ResultBundle& b) {
     return out;
 }
 
-/// The scenario with a fault of this kind in a satellite's pseudorange, as [[fault]] means them of fixes: a ramp leaves the rates as they
-/// are, a drift does not.
+/// The scenario with a fault of this kind in a satellite's pseudorange, analogous to [[fault]] for fixes: a ramp leaves the rates
+/// unchanged, a drift does not.
 void spoil_range(settings::ScenarioConfig& s, const Case& c, const std::string& source, double start, double duration) {
     sim::RangeFault fault{source, start, duration, 0.0, 0.0, 0.0};
     if (c.kind == "step") fault.offset = c.size;
@@ -83,7 +83,7 @@ void spoil_range(settings::ScenarioConfig& s, const Case& c, const std::string& 
     s.ranging.settings.faults.push_back(fault);
 }
 
-/// Satellites measured at every epoch of the span, by name.
+/// Satellites measured at every epoch of the interval, by name.
 std::vector<std::string> satellites_throughout(const RangingLog& log, Time from, Time to) {
     std::map<std::uint16_t, std::size_t> seen;
     std::size_t epochs = 0;
@@ -110,7 +110,7 @@ solution::ResultBundle run_with(const settings::ScenarioConfig& scenario, const 
     return bundle;
 }
 
-/// A run against the same one in health: what both find is no detection of the fault.
+/// A run compared with the same one without a fault: findings common to both are not a detection.
 Verdict judged(const settings::ScenarioConfig& scenario, const settings::SettingList& over, const std::vector<Finding>& in_health,
                double start, double duration) {
     Verdict v;
@@ -128,7 +128,7 @@ Verdict judged(const settings::ScenarioConfig& scenario, const settings::Setting
     return v;
 }
 
-/// Fixes where there are such and the filter uses them.
+/// Fixes if they exist and are used by the filter.
 Victim victim_of(const settings::ScenarioConfig& scenario, const settings::SettingList& over) {
     if (!(scenario.ranging.rate > 0.0)) return Victim::Fixes;
     if (!(scenario.sim.gnss.rate > 0.0)) return Victim::Range;
@@ -169,11 +169,11 @@ report::Outcome analyze_integrity(const StudyRequest& request) {
         settings.push_back({"fault", {settings::ValueList{settings::Value{fault}}}, {"--kind", 0, 0, {}}});
         return settings::scenario_from(settings);
     };
-    for (const Case& c : cases) {  // an unknown kind fails here
+    for (const Case& c : cases) {  // an unknown kind is rejected here
         settings::ScenarioConfig unused = faulty_fixes(base, c);
         if (victim == Victim::Range) spoil_range(unused, c, "", start, request.duration);
     }
-    // the same runs without a fault: what is found in them anyway, and which satellites there are
+    // the same runs without a fault: their findings, and the satellites present
     std::vector<std::vector<Finding>> in_health(request.runs);
     std::vector<std::vector<std::string>> satellites(request.runs);
     for_each_run(request.runs, request.jobs,
@@ -228,7 +228,7 @@ report::Outcome analyze_integrity(const StudyRequest& request) {
             if (v.detected) times.push_back(v.time_to_alert);
             with.push_back(v.controlled);
             without.push_back(v.uncontrolled);
-            alarms += k == 0 && v.false_alarm ? 1.0 : 0.0;  // the healthy part is the same in every case
+            alarms += k == 0 && v.false_alarm ? 1.0 : 0.0;  // the fault-free part is the same in every case
             hours += k == 0 ? v.healthy_hours : 0.0;
         }
         const analysis::Quantiles t = analysis::quantiles_of(times);

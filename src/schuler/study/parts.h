@@ -1,4 +1,4 @@
-// What the studies share: keys of errors as options, errors by source, a report of one section.
+// Common parts of the studies: keys of errors as options, errors by source, a report of one section.
 #pragma once
 
 #include "schuler/core/error.h"
@@ -15,7 +15,7 @@
 
 namespace schuler::study {
 
-/// Runs work; an Error about the value "sample_rate" becomes one about the option --sample-rate.
+/// Runs work; an Error about the value "sample_rate" is converted to one about the option --sample-rate.
 template <class Work>
 auto with_option_names(Work work) {
     try {
@@ -30,21 +30,21 @@ auto with_option_names(Work work) {
     }
 }
 
-/// An option and the number it was given.
+/// An option and its given number.
 struct GivenNumber {
     const char* option;
     double value;
 };
-/// @throws Error(Input) naming the first option whose number is not finite.
+/// @throws Error(Input) that names the first option whose number is not finite.
 void check_finite(std::initializer_list<GivenNumber> numbers);
 
-/// Six significant digits (or the given number), "-" where not finite, no negative zero.
+/// Six significant digits (or the given number), "-" if not finite, no negative zero.
 [[nodiscard]] std::string short_number(double x, int digits = 6);
 
-/// Writes FOLDER/report.html and notes it in the outcome. @throws Error
+/// Writes FOLDER/report.html and adds it to the outcome. @throws Error
 void write_report(report::Outcome& out, const std::filesystem::path& folder, const report::ReportInput& page);
 
-/// Errors by their source, beside those of all together: horizontal, up, velocity, tilt, heading (root mean squares; m, m/s, deg), and
+/// Errors by source, and of all sources together: horizontal, up, velocity, tilt, heading (root mean squares; m, m/s, deg), and
 /// horizontal at the end of the first outage.
 using ErrorMeasures = std::array<double, 6>;
 [[nodiscard]] report::ResultTable source_table(std::string title);

@@ -36,7 +36,7 @@ report::Outcome analyze_requirements(const RequirementsRequest& request) {
         for (const std::string_view name : sensor::imu_grade_names())
             if (name != "perfect") names.emplace_back(name);
     for (const std::string& name : names) {
-        const sensor::ImuErrorModel m = sensor::imu_grade(name);  // its turn-on parts are calibrated away
+        const sensor::ImuErrorModel m = sensor::imu_grade(name);  // its turn-on errors are assumed calibrated
         const double t =
             theory::longest_outage(pendulum, {m.accel_bias, m.gyro_bias, m.accel_noise, m.gyro_noise}, request.budget);
         devices.rows.push_back({name, t});

@@ -1,4 +1,4 @@
-// A linear system with constant coefficients as the sum of its modes.
+// Solution of a linear system with constant coefficients as a sum of modes.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,12 +10,12 @@ namespace schuler::theory {
 /// x(t) = constant + sum over the columns of part_i exp(root_i t) for dx/dt = F x + d.
 struct Decomposition {
     Eigen::VectorXcd root;     ///< eigenvalues of F, 1/s, n
-    Eigen::MatrixXcd vectors;  ///< eigenvectors of F of unit length, n x n, one a column
-    Eigen::MatrixXcd part;     ///< n x n; column i: what mode i has of x at t = 0
+    Eigen::MatrixXcd vectors;  ///< unit eigenvectors of F, n x n, one per column
+    Eigen::MatrixXcd part;     ///< n x n; column i: contribution of mode i to x at t = 0
     Eigen::VectorXd constant;  ///< n
 };
 
-/// F (n x n) and the state x and driving d (n) at t = 0. @throws Error(Computation) where the modes are not distinct.
+/// F (n x n), state x and input d (n) at t = 0. @throws Error(Computation) if the modes are not distinct.
 [[nodiscard]] Decomposition decomposed(const Eigen::MatrixXd& F, const Eigen::VectorXd& x, const Eigen::VectorXd& d);
 
 }  // namespace schuler::theory

@@ -43,7 +43,7 @@ Squared squared(const EquatorConstants& c, double v) {
             2.0 * c.w_n};
 }
 
-/// What the two roots contribute: spectral projectors' diagonals on the squared block, cosh and sinh(x t)/x of the roots.
+/// Contributions of the two roots: diagonals of the spectral projectors of the squared block, cosh and sinh(x t)/x of the roots.
 template <class T>
 struct Modes {
     T difference;                                     ///< rho1 - rho2
@@ -51,7 +51,7 @@ struct Modes {
     T second_h, second_lon, second_e, second_height;  ///< on the second
 };
 
-/// Between the limits the small differences follow from (rho - p)(rho - q) = product of the off-diagonals, free of cancellation.
+/// Between the limits the small differences follow from (rho - p)(rho - q) = product of the off-diagonals, without cancellation.
 Modes<double> modes_within(const EquatorConstants& c, const Squared& s) {
     const double r1 = c.rho1.real(), r2 = c.rho2.real(), d = r1 - r2;
     const double m = s.h_by_lon * s.lon_by_h, n = s.e_by_height * s.height_by_e;
@@ -122,7 +122,7 @@ Matrix4 block(const EquatorConstants& c, double v, const Squared& s, const Modes
     A(1, 0) = -c.k, A(1, 3) = -c.a_h;
     A(2, 0) = 1.0;
     A(3, 1) = 1.0 / c.R, A(3, 2) = -v / (c.R * c.R);
-    // A and Y commute: each element from the product that cancels less.
+    // A and Y commute: each element is taken from the product with less cancellation.
     const Matrix4 absolute_AY = A.cwiseAbs() * Y.cwiseAbs(), absolute_YA = Y.cwiseAbs() * A.cwiseAbs();
     return E + (absolute_AY.array() <= absolute_YA.array()).select(A * Y, Y * A);
 }
@@ -141,7 +141,7 @@ EquatorFlight::EquatorFlight(double speed, double height, const PaperCEarth& ear
     check("speed", speed, -1e5, 1e5, "m/s", "");
     const double R = c_.R, v = speed;
     c_.g = earth.g_eo * earth.a * earth.a / (R * R);
-    c_.w_n = std::fma(earth.u, R, v) / R;  // exact where the speed undoes the Earth's rotation
+    c_.w_n = std::fma(earth.u, R, v) / R;  // exact if the speed cancels the Earth's rotation
     c_.k = earth.u + c_.w_n;
     c_.a_h = c_.g - 2.0 * earth.u * v - v * v / R;
     c_.a24 = 2.0 * c_.g / R - (v / R) * (v / R);
@@ -189,7 +189,7 @@ Matrix6 EquatorFlight::transition(double t) const {
     if (within_) {
         Z = block(c_, speed_, s, modes_within(c_, s), functions_within(c_.beta3, c_.mu, t));
     } else {
-        // Symmetric in the two roots: where they meet, moving them apart evenly costs the square of the distance.
+        // Symmetric in the two roots: if they coincide, separating them evenly causes an error of second order in the distance.
         Complex r1 = c_.rho1, r2 = c_.rho2;
         const Complex middle = 0.5 * (r1 + r2);
         if (std::abs(r1 - r2) < 2e-6 * std::abs(middle)) r1 = middle * (1.0 + 1e-6), r2 = middle * (1.0 - 1e-6);

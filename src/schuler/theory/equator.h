@@ -1,4 +1,4 @@
-// Errors of a strapdown INS that follows the equator at constant speed and height: paper C's linear system (10) and its closed
+// Errors of a strapdown INS moving along the equator at constant speed and height: paper C's linear system (10) and its closed
 // solution (22), corrected (docs/theory.md) and written without its singularity at v = -u R.
 #pragma once
 
@@ -15,7 +15,7 @@ namespace schuler::theory {
 struct PaperCEarth {
     double u = earth::paper_c.w_ie;   ///< rotation, rad/s
     double a = earth::paper_c.a;      ///< semi-major axis, m
-    double e2 = earth::paper_c.e2();  ///< first eccentricity squared; sections 4 and 5 of the paper take 0
+    double e2 = earth::paper_c.e2();  ///< first eccentricity squared; sections 4 and 5 of the paper use 0
     double g_eo = 9.78049;            ///< m/s^2
     double delta = 5.317e-3;
 };
@@ -29,7 +29,7 @@ enum EquatorError { vn = 0, vh = 1, ve = 2, height = 3, lat = 4, lon = 5 };
 struct EquatorConstants {
     double R;                         ///< a + H, m
     double g;                         ///< m/s^2
-    double a_h;                       ///< specific force, up, m/s^2: changes its sign at the limiting speeds
+    double a_h;                       ///< specific force, up, m/s^2: changes sign at the limiting speeds
     double w_n;                       ///< rate of the local level about north, u + v/R, rad/s
     double k;                         ///< 2 u + v/R, rad/s
     double a24;                       ///< 1/s^2
@@ -39,15 +39,15 @@ struct EquatorConstants {
     double mu;                        ///< frequency of the east-vertical channel, rad/s; NaN beyond a limiting speed
 };
 
-/// Speeds at which the specific force vanishes: only between them has the east-vertical channel two real and two imaginary roots.
+/// Speeds of zero specific force: only between them does the east-vertical channel have two real and two imaginary roots.
 struct SpeedLimits {
     double east, west;  ///< m/s, both positive
 };
-/// -u R + sqrt(u^2 R^2 + g R) and u R + sqrt(...), R = a + height. The paper gives the eastern one for both directions.
+/// -u R + sqrt(u^2 R^2 + g R) and u R + sqrt(...), R = a + height. The paper uses the eastern one for both directions.
 /// @throws Error(Input) as EquatorFlight does.
 [[nodiscard]] SpeedLimits speed_limits(double height, const PaperCEarth& earth = {});
 
-/// A constant flight along the equator. The Earth is a sphere here (e2 and delta play no part).
+/// A constant flight along the equator. The Earth is a sphere here (e2 and delta have no effect).
 class EquatorFlight {
 public:
     /// speed: relative to the Earth, positive east, m/s; height in m. Speeds below 1e5 m/s, heights from -500 m to 1e8 m.
@@ -57,22 +57,22 @@ public:
     [[nodiscard]] double speed() const { return speed_; }
     [[nodiscard]] double height() const { return height_; }
     [[nodiscard]] const EquatorConstants& constants() const { return c_; }
-    /// Between the limiting speeds, where the paper's form of the solution holds.
+    /// Between the limiting speeds, where the paper's form of the solution is valid.
     [[nodiscard]] bool within_limits() const { return within_; }
     /// All six roots, 1/s: north channel +-i omega, then +-sqrt(rho1), +-sqrt(rho2).
     [[nodiscard]] std::array<std::complex<double>, 6> roots() const;
 
     /// A of (10), per second.
     [[nodiscard]] Matrix6 dynamics() const;
-    /// P(t) of (22): errors at t from errors at 0. Between the limiting speeds each element is within 1e-12 of itself up to
-    /// 7200 s and those that are zero by structure are exactly zero, v = -u R included. Beyond the limits the same form with complex
-    /// roots, 1e-9. Not finite when beta3 t exceeds 700.
+    /// P(t) of (22): errors at t from errors at 0. Between the limiting speeds each element has a relative error of 1e-12 up to
+    /// 7200 s, and structural zeros are exactly zero, including v = -u R. Beyond the limits the same form with complex roots,
+    /// 1e-9. Not finite if beta3 t exceeds 700.
     [[nodiscard]] Matrix6 transition(double t) const;
 
-    /// x(t) = A sin(w t + eps) part of each error, w = omega for vn and lat, mu for the others.
+    /// The part x(t) = A sin(w t + eps) of each error, w = omega for vn and lat, mu for the others.
     struct Oscillation {
         Vector6 amplitude;  ///< positive; NaN in vh, ve, height, lon beyond a limiting speed
-        Vector6 phase;      ///< (-pi, pi]; NaN where the amplitude is zero
+        Vector6 phase;      ///< (-pi, pi]; NaN if the amplitude is zero
     };
     /// (18) and (19), positive amplitude and atan2: math.md 1.5.
     [[nodiscard]] Oscillation oscillation(const Vector6& initial) const;
@@ -85,9 +85,9 @@ private:
     bool within_;
 };
 
-/// Errors from a misaligned start: the second term of (23) with b of (8), corrected (math.md 1.7).
-/// l: the matrix lambda_ij = dC^T C of the paper in inertial axes (pole, meridian, east of it); longitude: mu0 + lambda0, of the
-/// flight's start in those axes (rad). North velocity and latitude in closed form, the others by quadrature (1e-12 relative).
+/// Errors due to a misaligned start: the second term of (23) with b of (8), corrected (math.md 1.7). l: the matrix lambda_ij =
+/// dC^T C of the paper in inertial axes (pole, meridian, east of it); longitude: mu0 + lambda0, of the start of the flight in
+/// those axes (rad). North velocity and latitude in closed form, the others by quadrature (1e-12 relative).
 [[nodiscard]] Vector6 forced_by_misalignment(const EquatorFlight& flight, const Eigen::Matrix3d& l, double longitude, double t);
 
 /// lambda_ij of a small rotation error of the computed attitude, C_est = (I - [e x]) C, e in inertial axes (rad): [e x].

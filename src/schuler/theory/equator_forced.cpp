@@ -16,7 +16,7 @@ Vector6 forcing(const EquatorConstants& c, const Eigen::Matrix3d& l, double phas
     return b;
 }
 
-/// Integral of P(t - tau) b(tau): Gauss-Legendre with eight points on panels short against every period.
+/// Integral of P(t - tau) b(tau): Gauss-Legendre with eight points on panels short relative to every period.
 Vector6 by_quadrature(const EquatorFlight& flight, const Eigen::Matrix3d& l, double longitude, double t) {
     constexpr double node[4] = {0.18343464249564980, 0.52553240991632899, 0.79666647741362674, 0.96028985649753623};
     constexpr double weight[4] = {0.36268378337836198, 0.31370664587788729, 0.22238103445337447, 0.10122853629037626};
@@ -46,7 +46,7 @@ Vector6 forced_by_misalignment(const EquatorFlight& flight, const Eigen::Matrix3
     const EquatorConstants& c = flight.constants();
     Vector6 x = by_quadrature(flight, l, longitude, t);
     const double w = c.omega, n = c.w_n, D = w * w - n * n;
-    if (std::abs(D) < 1e-6 * w * w) return x;  // resonance of the two rates: the quadrature stays
+    if (std::abs(D) < 1e-6 * w * w) return x;  // resonance of the two rates: the quadrature is used
     const double cl = std::cos(longitude), sl = std::sin(longitude);
     const double cw = std::cos(w * t), sw = std::sin(w * t), cn = std::cos(n * t), sn = std::sin(n * t);
     // Integrals over tau of cos(w (t - tau)) and sin(w (t - tau)) times cos(n tau) and sin(n tau).

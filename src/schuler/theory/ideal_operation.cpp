@@ -10,7 +10,7 @@
 namespace schuler::theory {
 
 Eigen::Vector4d geographic_frame(double latitude, double inertial_longitude) {
-    // First about the pole, then about the new east axis: longitude moves the zenith towards the east, latitude to the pole.
+    // First about the pole, then about the new east axis: longitude moves the zenith eastwards, latitude towards the pole.
     const double p = 0.5 * latitude, l = 0.5 * inertial_longitude;
     return quaternion_product<double>({std::cos(l), std::sin(l), 0.0, 0.0}, {std::cos(p), 0.0, 0.0, -std::sin(p)});
 }
@@ -20,7 +20,7 @@ Matrix6 error_dynamics(const PaperCEarth& earth, const Vector6& x, const Eigen::
     const double r = earth.a + x(height), e2 = earth.e2, alpha = k.alpha, R1 = k.R1, R2 = k.R2;
     const double s = std::sin(x(lat)), c = std::cos(x(lat)), sc = s * c;
     const double vN = x(vn), vH = x(vh), vE = x(ve);
-    const double own_N = k.w_N - k.u_N, own_H = k.w_H - k.u_H;  // of the motion alone
+    const double own_N = k.w_N - k.u_N, own_H = k.w_H - k.u_H;  // due to the motion alone
     Matrix6 A;
     A.row(vn) << -vH / R2, k.w_E, -2.0 * k.w_H, (own_H * vE - k.w_E * vH) / r,
         -a(1) - 2.0 * k.u_N * vE - own_N * vE / (c * c) + vE * vE * e2 * s * s / (r * alpha) +
@@ -48,7 +48,7 @@ Eigen::Vector3d steady_force(const PaperCEarth& earth, const Vector6& x) {
 
 namespace {
 
-/// Everything that is integrated together: height, latitude and longitude of the flight, two solutions, the linear errors.
+/// Jointly integrated quantities: height, latitude and longitude of the flight, two solutions, the linear errors.
 using Joint = Eigen::Matrix<double, 29, 1>;
 
 Joint rates(const PaperCEarth& earth, const Eigen::Vector3d& velocity, const Joint& y) {
@@ -56,7 +56,7 @@ Joint rates(const PaperCEarth& earth, const Eigen::Vector3d& velocity, const Joi
     flight << velocity, y.head<3>();
     const Eigen::Vector3d force = steady_force(earth, flight);
     const IdealRates<double> k = ideal_rates<double>(earth, flight);
-    const Eigen::Vector3d rate(k.w_N, k.w_H, k.w_E);  // the body's axes are the geographic ones
+    const Eigen::Vector3d rate(k.w_N, k.w_H, k.w_E);  // the body axes coincide with the geographic ones
     Joint d;
     d.head<3>() = navigation_rates<double>(earth, flight, force).tail<3>();
     d.segment<10>(3) = ideal_operation<double>(earth, y.segment<10>(3), rate, force);
@@ -86,7 +86,7 @@ std::vector<Comparison> compare_integrations(const PaperCEarth& earth, const Vec
                           "give finite numbers, a latitude within 89.9 deg and a time that is not negative");
     const Vector6 wrong = start + initial;
     const Eigen::Vector3d velocity = start.head<3>();
-    // Inertial attitude is right: what the geographic frame is off by goes into kappa.
+    // The inertial attitude is correct: the error of the geographic frame enters kappa.
     const Eigen::Vector4d truly = geographic_frame(start(lat), start(lon)), believed = geographic_frame(wrong(lat), wrong(lon));
     Joint y;
     // clang-format off

@@ -1,5 +1,5 @@
 // Paper C, sections 1 and 2: the equations of ideal operation of a strapdown INS in the north-up-east frame with
-// Rodrigues-Hamilton parameters, and the matrix A of their linear errors. The paper's own axes and Earth; nothing of ins.
+// Rodrigues-Hamilton parameters, and the matrix A of their linear errors. In the paper's axes and Earth, independent of room ins.
 #pragma once
 
 #include "schuler/theory/equator.h"
@@ -29,7 +29,7 @@ template <class T>
     return {q(0), -q(1), -q(2), -q(3)};
 }
 
-/// What the equations of a place and velocity share. R_1, R_2 belong to the family of ellipsoids with semi-axis a + H.
+/// Terms common to the equations at a position and velocity. R_1, R_2 belong to the family of ellipsoids with semi-axis a + H.
 template <class T>
 struct IdealRates {
     T alpha, R1, R2, g;
@@ -55,7 +55,7 @@ template <class T>
     return k;
 }
 
-/// Time derivatives of the six navigation errors' parameters for a specific force in geographic axes (N, H, E).
+/// Time derivatives of the six navigation variables for a specific force in geographic axes (N, H, E).
 template <class T>
 [[nodiscard]] Eigen::Matrix<T, 6, 1> navigation_rates(const PaperCEarth& earth, const Eigen::Matrix<T, 6, 1>& x,
                                                       const Vector3<T>& a) {
@@ -70,7 +70,7 @@ template <class T>
     return d;
 }
 
-/// The whole system of section 1: what ideal gyros (rad/s) and accelerometers (m/s^2) in body axes drive.
+/// The whole system of section 1, driven by ideal gyros (rad/s) and accelerometers (m/s^2) in body axes.
 template <class T>
 [[nodiscard]] IdealState<T> ideal_operation(const PaperCEarth& earth, const IdealState<T>& x, const Vector3<T>& w_body,
                                             const Vector3<T>& a_body) {
@@ -91,14 +91,14 @@ template <class T>
 /// latitude and inertial longitude mu0 + u t + lon, so that kappa = conjugated(nu) * lambda.
 [[nodiscard]] Eigen::Vector4d geographic_frame(double latitude, double inertial_longitude);
 
-/// A of (1), all 36 entries as printed (they are right where the attitude is held in inertial space: math.md 1.1).
+/// A of (1), all 36 entries as printed (correct if the attitude is held in inertial space: math.md 1.1).
 /// x: v_N, v_H, v_E, H, latitude, longitude of the flight; a: its specific force in geographic axes (N, H, E), m/s^2.
 [[nodiscard]] Matrix6 error_dynamics(const PaperCEarth& earth, const Vector6& x, const Eigen::Vector3d& a);
 
 /// Specific force (N, H, E) that keeps the velocity constant, m/s^2.
 [[nodiscard]] Eigen::Vector3d steady_force(const PaperCEarth& earth, const Vector6& x);
 
-/// The same errors three ways at one instant (estimate minus truth).
+/// The same errors at one instant, computed in different ways (estimate minus truth).
 struct Comparison {
     double t;           ///< s
     Vector6 nonlinear;  ///< difference of two integrations of the complete equations
@@ -106,10 +106,10 @@ struct Comparison {
 };
 
 /// A flight at constant velocity components in the geographic frame from `start` (v_N, v_H, v_E, H, lat, lon): the complete
-/// equations are integrated with ideal sensors from the true start and from start + initial, inertial attitude right; Runge-Kutta
-/// of the fourth order with steps of at most 1 s. Samples at 0 and at count equal intervals.
-/// @throws Error(Input) for numbers that are not finite or a start near a pole; Error(Computation) where the perturbed solution
-/// leaves the Earth's surroundings or a pole is reached.
+/// equations are integrated with ideal sensors from the true start and from start + initial, with correct inertial attitude;
+/// fourth-order Runge-Kutta with steps of at most 1 s. Samples at 0 and at count equal intervals. @throws Error(Input) for
+/// numbers that are not finite or a start near a pole; Error(Computation) if the perturbed solution leaves the vicinity of the
+/// Earth or a pole is reached.
 [[nodiscard]] std::vector<Comparison> compare_integrations(const PaperCEarth& earth, const Vector6& start, const Vector6& initial,
                                                            double duration, int count);
 

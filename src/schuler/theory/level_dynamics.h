@@ -1,5 +1,5 @@
-// Error dynamics of a strapdown INS in the local level after paper A, corrected, and the pendulum it contains. Derived without
-// the filters' models: the other side of their tests.
+// Error dynamics of a strapdown INS in the local level after paper A, corrected, and its pendulum. Derived independently of the
+// filters' models, to serve as a reference in their tests.
 #pragma once
 
 #include "schuler/core/position.h"
@@ -9,14 +9,14 @@
 
 namespace schuler::theory {
 
-/// Errors (estimate minus truth) of paper A's order with angles instead of metres: longitude, latitude (rad), height (m),
+/// Errors (estimate minus truth) in paper A's order with angles instead of metres: longitude, latitude (rad), height (m),
 /// velocity east, north, up (m/s), attitude about east, north, up (rad): C_est = (I - [alpha x]) C.
 enum LevelError { d_lon = 0, d_lat = 1, d_h = 2, d_ve = 3, d_vn = 4, d_vu = 5, a_e = 6, a_n = 7, a_u = 8 };
 using Vector9 = Eigen::Matrix<double, 9, 1>;
 using Matrix9 = Eigen::Matrix<double, 9, 9>;
 
 /// F of (3.4.8) at a state, complete and corrected: math.md 2.3 with R_3 = 1 m, per second. v_enu, f_enu: velocity (m/s) and
-/// specific force (m/s^2) east, north, up. Gravity: the vertical component of the model and its slopes. Poles excluded.
+/// specific force (m/s^2) east, north, up. Gravity: the vertical component of the model and its derivatives. Poles excluded.
 /// Sensor errors (measured minus true, in east-north-up) enter the attitude rows with -1 (gyros), the velocity rows with +1.
 [[nodiscard]] Matrix9 level_error_dynamics(const earth::Earth& earth, const Geodetic& position, const Eigen::Vector3d& v_enu,
                                            const Eigen::Vector3d& f_enu);

@@ -41,14 +41,14 @@ LoopGains gains(VerticalChannel channel, double tau, double c) {
     return {};
 }
 
-/// Sizes that belong together: R, sqrt(g R) and 1 rad make the numbers of F alike.
+/// Natural scales: R, sqrt(g R) and 1 rad make the elements of F comparable.
 Vector10 natural_scale() {
     Vector10 s;
     s << 1.0, 1.0, 6.4e6, 7900.0, 7900.0, 7900.0, 1.0, 1.0, 1.0, 9.8;
     return s;
 }
 
-/// States that move, without longitude (which nothing depends on): indices of Vector10.
+/// Dynamic states, without longitude (on which nothing depends): indices of Vector10.
 std::vector<int> moving_states(VerticalChannel channel) {
     std::vector<int> out{d_lat, d_ve, d_vn, a_e, a_n, a_u};
     if (channel != VerticalChannel::Fixed) out.insert(out.end(), {d_h, d_vu});
@@ -170,7 +170,7 @@ std::vector<Complex> LevelAnalysis::vertical_roots(VerticalChannel channel) cons
 
 namespace {
 
-/// Names by what moves and how fast; `oscillating`: horizontal pairs, slowest first.
+/// Names by the quantity and its speed; `oscillating`: horizontal pairs, slowest first.
 std::string horizontal_name(std::size_t number, std::size_t count) {
     if (number == 0) return "24-hour";
     if (count == 3) return number == 1 ? "Schuler, slower" : "Schuler, faster";
@@ -198,7 +198,7 @@ ModalAnalysis LevelAnalysis::modes() const {
     const Decomposition parts = decomposed(F, x, d);
     const MatrixXcd& V = parts.vectors;
 
-    const auto spread = [&](const auto& values) {  // of the moving states, in SI
+    const auto spread = [&](const auto& values) {  // over the dynamic states, in SI
         Vector10 out = Vector10::Zero();
         for (Eigen::Index i = 0; i < n; ++i)
             out(states[static_cast<std::size_t>(i)]) = std::abs(values(i)) * scale(states[static_cast<std::size_t>(i)]);

@@ -20,7 +20,7 @@
 namespace schuler::app {
 namespace {
 
-/// Warnings about samples that were left out, one line an instrument.
+/// Warnings about excluded samples, one line per instrument.
 void tell(const ahrs::Counters& c, WarningLog& warnings) {
     const auto one = [&](const char* name, const ahrs::InstrumentCount& n) {
         if (n.rejected() == 0) return;

@@ -1,4 +1,4 @@
-// Attitude and heading from a data set: what `schuler ahrs` runs, and what a benchmark may call piece by piece.
+// Attitude and heading from a data set: the command `schuler ahrs`, in parts that a benchmark may call separately.
 #pragma once
 
 #include "schuler/ahrs/magnetometer_axes.h"
@@ -21,13 +21,13 @@ struct AhrsRequest {
     bool six_axis = false;
     bool offline = false;
     bool calibrate =
-        false;  ///< calibrate magnetometer and accelerometer by an ellipsoid fit to this log, where held-out parts of it confirm the fit
+        false;  ///< calibrate magnetometer and accelerometer by an ellipsoid fit to this log, if held-out parts of it confirm the fit
 };
 
 /// The filters by the names of --filter.
 [[nodiscard]] const std::vector<std::pair<std::string, ahrs::FilterKind>>& attitude_filters();
 
-/// Recordings and settings as input of the attitude filters: body axes, rates, the field where position and date are known.
+/// Recordings and settings as input of the attitude filters: body axes, rates, the field if position and date are known.
 struct AhrsInput {
     std::vector<ImuSample> imu;
     std::vector<MagSample> mag;
@@ -35,18 +35,18 @@ struct AhrsInput {
     ahrs::RunSettings settings;
     bool field_from_model = false;
     ahrs::MagnetometerAxes axes;           ///< already applied to `mag`
-    std::vector<std::string> calibration;  ///< what was applied or refused, and why
+    std::vector<std::string> calibration;  ///< calibrations applied or rejected, with the reason
 };
 
-/// @throws Error(Input) for options that do not go together.
+/// @throws Error(Input) for incompatible options.
 [[nodiscard]] AhrsInput ahrs_input(const solution::LoadedDataset& data, const AhrsRequest& request, WarningLog& warnings);
 
-/// What the samples themselves show: sampling too coarse, wrong units, axes of the magnetometer that are not the IMU's, a
-/// magnetometer that is missing for long. @throws Error(Input) where no attitude can come of it.
+/// Problems visible in the samples themselves: too low a sampling rate, wrong units, magnetometer axes that differ from the
+/// IMU's, a magnetometer missing for long. @throws Error(Input) if no attitude can be computed.
 void check_ahrs_input(const AhrsInput& input, WarningLog& warnings);
 
-/// Estimate and reference at the reference's epochs with movement, where the reference has an attitude and the estimate is not
-/// further away in time than half a sample (then it is turned to the reference's time by its neighbours).
+/// Estimate and reference at the reference epochs with movement, if the reference has an attitude and the estimate is within half
+/// a sample in time (it is then interpolated to the reference's time from its neighbours).
 [[nodiscard]] std::vector<analysis::AttitudePair> attitude_pairs(const std::vector<ahrs::AttitudeRow>& rows,
                                                                  const std::vector<ReferenceSample>& reference);
 

@@ -9,7 +9,7 @@
 namespace schuler::app {
 namespace {
 
-constexpr double enough_turned = 0.5;  // rad, below which nothing is said about units and axes
+constexpr double enough_turned = 0.5;  // rad, below which units and axes are not judged
 
 void check_times(const AhrsInput& input) {
     std::vector<double> steps;
@@ -21,7 +21,7 @@ void check_times(const AhrsInput& input) {
     }
 }
 
-/// Rates in deg/s under a name that says rad/s make every direction turn 57 times too little.
+/// Rates in deg/s under a name with rad/s make every rotation 57 times too small.
 bool rates_in_degrees(const analysis::TurnAgreement& a) {
     constexpr double least_agreement = 0.3;
     return a.turned > enough_turned && a.correlation > least_agreement && a.factor > 0.3 * units::deg &&

@@ -14,21 +14,21 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double slow = 3.0;               // m/s, below which a receiver's course does not say where the vehicle points
+constexpr double slow = 3.0;               // m/s, below which a receiver's course does not give the heading
 constexpr double default_speed_std = 0.5;  // m/s
 
-/// Of each axis the largest magnitude, where that is the instrument's stop: the same extreme value several times in a row, for long or at least
-/// twice with slower motion between, while the other axes show noise. A steady turn of a simulation without noise is none.
+/// The largest magnitude of each axis, if it is the range limit of the instrument: the same extreme value several times in a row, for long
+/// or at least twice with slower motion between, while the other axes show noise. Steady rotation in a noise-free simulation does not count.
 template <class Samples, class Get>
 Vector3d range_of(const Samples& samples, Get get, double least, double unusual) {
-    constexpr double left = 0.9, quiet = 1e-6;      // of the extreme: no longer there; less than any instrument's noise
-    constexpr int enough = 2, longest_chance = 20;  // visits; samples in a row that are no accident
+    constexpr double left = 0.9, quiet = 1e-6;      // of the extreme: no longer at it; less than any instrument's noise
+    constexpr int enough = 2, longest_chance = 20;  // occurrences; consecutive samples that cannot be coincidence
     Vector3d range = Vector3d::Constant(std::numeric_limits<double>::infinity());
     for (int axis = 0; axis < 3; ++axis) {
         double extreme = 0.0;
         for (const auto& s : samples) extreme = std::max(extreme, std::abs(get(s)(axis)));
         if (extreme < unusual) continue;
-        // an instrument of a small range shows by how long it stays there
+        // for a small range, the duration at the limit decides
         const int at_the_stop = extreme < least ? 20 : 3;
         int run = 0, visits = 0;
         bool noisy = false, away = true;
@@ -68,7 +68,7 @@ std::vector<ahrs::SpeedSample> speeds_of(const Recording& r, fusion::VehicleKind
     return out;
 }
 
-/// The Earth's field where and when the log was taken, if both are known.
+/// The Earth's field at the position and time of the log, if both are known.
 void field_from_model(const solution::LoadedDataset& data, AhrsInput& out, WarningLog& warnings) {
     const Recording& r = data.recording;
     Geodetic where = data.config.filter.initial.position;
@@ -96,7 +96,7 @@ void field_from_model(const solution::LoadedDataset& data, AhrsInput& out, Warni
     out.field_from_model = true;
 }
 
-/// Horizontal and vertical field from the first seconds of the log, for the filters that must know them beforehand.
+/// Horizontal and vertical field from the first seconds of the log, for the filters that require them.
 void field_from_log(AhrsInput& out) {
     constexpr double seconds = 2.0;
     Vector3d force = Vector3d::Zero(), field = Vector3d::Zero();
@@ -116,7 +116,7 @@ void field_from_log(AhrsInput& out) {
     out.settings.vector.horizontal_field = std::max(1e-6, (field + down * force.normalized()).norm());
 }
 
-/// Turns a magnetometer whose axes are not the IMU's.
+/// Rotates the data of a magnetometer whose axes differ from the IMU's.
 void straighten(AhrsInput& out, WarningLog& warnings) {
     if (out.mag.empty()) return;
     out.axes = ahrs::recognise_axes(out.imu, out.mag, out.settings.mekf.heading.known_field_n.z());
@@ -223,7 +223,7 @@ std::vector<analysis::AttitudePair> attitude_pairs(const std::vector<ahrs::Attit
                                                    const std::vector<ReferenceSample>& reference) {
     std::vector<analysis::AttitudePair> out;
     if (rows.size() < 2) return out;
-    constexpr double longest = 0.1;  // s between rows that may be interpolated
+    constexpr double longest = 0.1;  // s between rows permitted for interpolation
     std::size_t k = 0;
     for (const ReferenceSample& r : reference) {
         if (!r.movement || !r.rpy.allFinite() || r.time < rows.front().time) continue;

@@ -1,4 +1,4 @@
-// What `schuler ahrs` writes.
+// Output files of `schuler ahrs`.
 #pragma once
 
 #include "schuler/ahrs/magnetometer_axes.h"
@@ -14,7 +14,7 @@
 
 namespace schuler::app {
 
-/// Errors against an attitude reference; heading with its constant offset taken off, as in BROAD.
+/// Errors relative to an attitude reference; heading with its constant offset removed, as in BROAD.
 struct AhrsEvaluation {
     analysis::BroadErrors broad;
     analysis::Spread roll, pitch, heading;  ///< rad
@@ -25,7 +25,7 @@ struct AhrsBundle {
     bool offline = false, six_axis = false, field_from_model = false;
     double declination = 0.0;  ///< rad, of the model
     ahrs::MagnetometerAxes axes;
-    std::vector<std::string> calibration;  ///< what was applied or refused, and why
+    std::vector<std::string> calibration;  ///< calibrations applied or rejected, with the reason
     std::vector<solution::Ignored> ignored;
     std::size_t imu_epochs = 0;
     solution::LoadedDataset data;
@@ -36,10 +36,10 @@ struct AhrsBundle {
     solution::Timing timing;
 };
 
-/// Paper B's filters give magnetic heading: turns the rows by the model's declination.
+/// Paper B's filters give magnetic heading: rotates the rows by the model's declination.
 void turn_to_true_north(AhrsBundle& bundle);
 
-/// solution.csv, report.html and config.toml, those that the settings choose. summary.json is the caller's, written last.
+/// solution.csv, report.html and config.toml, as selected by the settings. summary.json is written last by the caller.
 [[nodiscard]] std::vector<std::filesystem::path> write_ahrs_outputs(const AhrsBundle& bundle,
                                                                     const std::filesystem::path& folder);
 

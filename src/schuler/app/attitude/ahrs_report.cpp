@@ -8,7 +8,7 @@
 namespace schuler::app {
 namespace {
 
-/// Heading jumps from 360 to 0: a gap there instead of a line across the plot.
+/// Heading jumps from 360 to 0: drawn as a gap instead of a line across the plot.
 void break_at_wraps(std::vector<double>& y) {
     for (std::size_t i = 1; i < y.size(); ++i) {
         if (std::abs(y[i] - y[i - 1]) > 180.0) y[i - 1] = not_given;

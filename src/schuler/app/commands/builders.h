@@ -1,4 +1,4 @@
-// Makers of options of commands: those of the option tables, and how a command line writes them.
+// Builders of command options: those of the option tables, and their command-line notation.
 #pragma once
 
 #include "schuler/app/command.h"
@@ -20,7 +20,7 @@ using settings::OptionTable;
 using settings::Shape;
 using settings::Value;
 
-/// What a study writes to standard output with --json, as the help says it.
+/// Output of a study on standard output with --json, as described in the help text.
 inline constexpr const char* one_json_document = "one JSON document";
 
 template <class R>
@@ -41,7 +41,7 @@ Option<R> written(const char* value_name, Option<R> option) {
     return option;
 }
 
-/// What holds where it is not given.
+/// Default value.
 template <class R>
 Option<R> otherwise(const char* text, Option<R> option) {
     option.spec.otherwise = text;
@@ -54,7 +54,7 @@ Option<R> required(Option<R> option) {
     return option;
 }
 
-/// An argument without a name before it; it must be given.
+/// A positional argument; required.
 template <class R>
 Option<R> argument(const char* value_name, Option<R> option) {
     option.spec.line.positional = option.spec.line.required = true;
@@ -71,7 +71,7 @@ Option<R> path(std::string key, std::string help, Access access) {
             [](const R&) { return std::optional<Value>(); }};
 }
 
-/// Numbers with commas between them.
+/// Numbers separated by commas.
 template <class R, class Access>
 Option<R> numbers(std::string key, double low, double high, std::string help, Access access) {
     settings::OptionSpec spec = settings::detail::spec(std::move(key), Shape::Numbers, std::move(help));
@@ -85,7 +85,7 @@ Option<R> numbers(std::string key, double low, double high, std::string help, Ac
             [](const R&) { return std::optional<Value>(); }};
 }
 
-/// Words with commas between them.
+/// Words separated by commas.
 template <class R, class Access>
 Option<R> words(std::string key, std::string help, Access access) {
     return {settings::detail::spec(std::move(key), Shape::Texts, std::move(help)),
@@ -96,7 +96,7 @@ Option<R> words(std::string key, std::string help, Access access) {
             [](const R&) { return std::optional<Value>(); }};
 }
 
-/// Some out of these words, with commas between them.
+/// A selection of these words, separated by commas.
 template <class R, class Access>
 Option<R> some_of(std::string key, std::vector<std::string> choices, std::string help, Access access) {
     Option<R> option = words<R>(std::move(key), std::move(help), access);
@@ -104,7 +104,7 @@ Option<R> some_of(std::string key, std::vector<std::string> choices, std::string
     return option;
 }
 
-/// One of some words.
+/// One of several words.
 template <class R, class Access>
 Option<R> one_of(std::string key, std::vector<std::string> choices, std::string help, Access access) {
     Option<R> option = settings::text<R>(std::move(key), std::move(help), access);
@@ -140,7 +140,7 @@ Option<R> jobs_option(Access access) {
         'j', written("J", settings::integer<R>("jobs", 0, 1024, "number of parallel runs; 0: one per processor core", access)));
 }
 
-/// key=value, any number of times; options of their own override them.
+/// key=value, repeatable; overridden by separate options.
 template <class R, class Access>
 Option<R> set_option(Access above) {
     Option<R> option{settings::detail::spec("set", Shape::Texts, "a setting by its key; `schuler help settings` lists them"),
@@ -152,13 +152,13 @@ Option<R> set_option(Access above) {
     return written("key=value", std::move(option));
 }
 
-/// Where the results go.
+/// Destination of the results.
 template <class R, class Access>
 Option<R> output_option(std::string help, const char* usual, Access access) {
     return lettered('o', written("DIR", otherwise(usual, path<R>("output", std::move(help), access))));
 }
 
-/// A command of a request: its options set the request, its function is called with it.
+/// A command with a request: its options set the request, which is passed to its function.
 template <class Request, class Function>
 Command command(std::string name, std::string purpose, std::string examples, OptionTable<Request> table, std::string json,
                 bool runs, Function function) {
@@ -192,7 +192,7 @@ Command command(std::string name, std::string purpose, std::string examples, Opt
     return c;
 }
 
-/// Where options of settings go.
+/// Destination of setting options.
 struct CommonRequest {
     template <class R>
     auto& operator()(R& r) const {
@@ -204,7 +204,7 @@ struct CommonRequest {
     }
 };
 
-/// Settings over those of the data set: of every command that processes one.
+/// Settings that override those of the data set: for every command that processes one.
 template <class R>
 void add_settings(OptionTable<R>& table) {
     constexpr CommonRequest common;
@@ -219,7 +219,7 @@ void add_settings(OptionTable<R>& table) {
         .add(written("T", of_setting<R>("stop", "run.stop_s", "end of processing, given as --start", common)));
 }
 
-/// Loop, outages, what is counted and written: of every command that runs a filter once.
+/// Loop, outages, evaluated and written data: for every command that runs a filter once.
 template <class R>
 void add_run(OptionTable<R>& table) {
     constexpr CommonRequest common;
@@ -251,7 +251,7 @@ void add_run(OptionTable<R>& table) {
                     common))));
 }
 
-/// Commands of the parts, see their files.
+/// Commands by group, see their files.
 void add_data_commands(std::vector<Command>& list);
 void add_file_commands(std::vector<Command>& list);
 void add_live_commands(std::vector<Command>& list);

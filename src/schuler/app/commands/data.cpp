@@ -1,4 +1,4 @@
-// Commands that make a solution of logs or of a scenario.
+// Commands that produce a solution from logs or a scenario.
 #include "schuler/app/attitude/ahrs.h"
 #include "schuler/app/batch.h"
 #include "schuler/app/commands.h"

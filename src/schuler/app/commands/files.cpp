@@ -1,4 +1,4 @@
-// Commands about files.
+// Commands for files.
 #include "schuler/app/commands.h"
 #include "schuler/app/commands/builders.h"
 #include "schuler/app/formats_command.h"

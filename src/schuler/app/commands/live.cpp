@@ -1,4 +1,4 @@
-// Commands that run while samples arrive.
+// Commands that process samples as they arrive.
 #include "schuler/app/live.h"
 #include "schuler/app/commands/builders.h"
 

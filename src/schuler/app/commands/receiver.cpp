@@ -5,7 +5,7 @@
 namespace schuler::app {
 namespace {
 
-/// The limits of receiver::IfFormat; what the carrier may be depends on the sample rate too, which that checks.
+/// The limits of receiver::IfFormat; the limit of the carrier also depends on the sample rate and is checked there.
 template <class R>
 Option<R> sample_rate() {
     return in_units("Hz", settings::number<R>("sample-rate", 1.0, 2.046e6, 200e6, "complex samples per second",

@@ -34,7 +34,7 @@ Command requirements() {
         std::move(t), one_json_document, false, study::analyze_requirements);
 }
 
-/// What the studies of a scenario share.
+/// Common options of the studies of a scenario.
 OptionTable<study::StudyRequest> study_of_scenario() {
     using R = study::StudyRequest;
     OptionTable<R> t;
@@ -111,7 +111,7 @@ Command integrity() {
                       std::move(t), one_json_document, true, study::analyze_integrity);
 }
 
-/// Letters without anything between them, which is no list of words.
+/// Letters without separators, unlike a list of words.
 Option<study::TriadRequest> cases_option() {
     using R = study::TriadRequest;
     static const std::string known = "abcdesfg";

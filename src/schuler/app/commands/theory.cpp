@@ -20,7 +20,7 @@ Option<R> time_option(std::string help, Access access) {
     return in_units("s", settings::number<R>("time", 1.0, 0, 1e9, std::move(help), access));
 }
 
-/// Three numbers of a vector, one option each.
+/// Three components of a vector, one option each.
 template <class R>
 void add_vector(OptionTable<R>& table, Eigen::Vector3d R::*field, const std::array<const char*, 3>& keys, const char* what,
                 const char* unit) {

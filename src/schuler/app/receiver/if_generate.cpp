@@ -15,7 +15,7 @@
 namespace schuler::app {
 namespace {
 
-constexpr double transit = 67.0;  // code periods of the shortest way from a satellite
+constexpr double transit = 67.0;  // code periods of the shortest signal path
 const std::vector<std::string> six_satellites{"G03:47:-2210:118.25",    "G07:45:1200:300.5", "G11:43:-640.5:871.75",
                                               "G18:40:3105.25:512.125", "G22:48:310:42",     "G30:38:-4020:990.5"};
 
@@ -54,7 +54,7 @@ std::vector<Wanted> all_wanted(const std::vector<std::string>& texts) {
     return out;
 }
 
-/// Symbols of different satellites begin in different milliseconds.
+/// Symbols of different satellites start in different milliseconds.
 receiver::IfSatellite made_of(const Wanted& w, std::uint64_t seed) {
     const receiver::SignalStructure signal = receiver::gps_l1_ca();
     const double periods = transit + static_cast<double>(7 * w.prn % 20);

@@ -22,7 +22,7 @@ using receiver::SatelliteRecord;
 constexpr double pulling_in = 3.0;  // s from the search to phase lock
 constexpr double shown = 4000.0;    // epochs of a satellite in the report
 
-/// tracking.csv, begun when there is a row, so that a recording without a satellite leaves nothing behind.
+/// tracking.csv, created with the first row, so that a recording without satellites leaves no file.
 class TrackingFile {
 public:
     explicit TrackingFile(std::filesystem::path folder) : folder_(std::move(folder)) {}

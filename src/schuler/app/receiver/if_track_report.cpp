@@ -14,12 +14,12 @@ namespace {
 using receiver::ChannelSample;
 using receiver::SatelliteRecord;
 
-/// "-" where not finite.
+/// "-" if not finite.
 report::Cell fixed(double x, int digits) {
     return std::isfinite(x) ? report::Cell(fmt::format("{:.{}f}", x, digits)) : report::Cell();
 }
 
-/// The last second in phase, or what the search said, as coarse as it is.
+/// The last second in phase, or the result of the search with its lower resolution.
 std::vector<report::Cell> cells_of(const SatelliteRecord& r, int search_periods) {
     const receiver::Acquired& a = r.acquired;
     const std::string name = fmt::format("G{:02}", r.prn);
@@ -63,7 +63,7 @@ report::Ink ink_of(std::size_t i) {
     return inks[i % inks.size()];
 }
 
-/// One line a satellite over time; the ninth and further ones are broken.
+/// One line per satellite over time; the ninth and further ones are dashed.
 template <class Value>
 report::Panel over_time(const TrackedRecording& run, const std::vector<int>& prns, const std::string& title,
                         const std::string& unit, Value value) {

@@ -1,4 +1,4 @@
-// Geodetic coordinates of an Earth-fixed position as sines and cosines: what conversion, gravity and frames share.
+// Geodetic coordinates of an Earth-fixed position as sines and cosines, shared by conversion, gravity and frames.
 #pragma once
 
 #include "schuler/earth/ellipsoid.h"
@@ -15,7 +15,7 @@ struct GeodeticTrig {
 
 /// Bowring's iteration on the reduced latitude u (B. R. Bowring, "The accuracy of geodetic latitude and height equations",
 /// Survey Review 28, 1985): tan lat = (z + e'^2 b sin^3 u)/(p - e^2 a cos^3 u), here with two passes from his 1985 start value,
-/// in pairs of sine and cosine so that no angle is evaluated and poles are ordinary points. The height
+/// in pairs of sine and cosine so that no angle is evaluated and the poles are regular points. The height
 /// p cos lat + z sin lat - a sqrt(1 - e^2 sin^2 lat) is of second order in the latitude error.
 [[nodiscard]] inline GeodeticTrig geodetic_trig_from_ecef(const Ellipsoid& ellipsoid, const Eigen::Vector3d& r) {
     const double e2 = ellipsoid.e2();
@@ -40,7 +40,7 @@ struct GeodeticTrig {
     const double norm = std::sqrt(num * num + den * den);
     const double sin_lat = num / norm;
     const double cos_lat = den / norm;
-    // Rounding: p cos lat and z sin lat - a sqrt(...) cancel; summing against the surface point keeps the error near an ulp.
+    // The difference p cos lat + z sin lat - a sqrt(...) cancels; summing from the surface point keeps the error near an ulp.
     const double w = std::sqrt(1.0 - e2 * sin_lat * sin_lat);
     const double n = ellipsoid.a / w;
     const double h = (p - n * cos_lat) * cos_lat + (z - n * (1.0 - e2) * sin_lat) * sin_lat;

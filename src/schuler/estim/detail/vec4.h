@@ -1,4 +1,4 @@
-// Four doubles as one value: the compiler maps it to the registers the processor has.
+// Four doubles as one value, which the compiler maps to the available vector registers.
 #pragma once
 
 #include <cstring>

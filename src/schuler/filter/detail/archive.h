@@ -1,5 +1,5 @@
-// A navigator as bytes: one function a type for both ways. A structured binding names every member, so that one that is added and
-// forgotten here does not compile.
+// Serialisation of a navigator: one function per type for both directions. A structured binding names every member, so that the
+// code does not compile if a new member is omitted here.
 #pragma once
 
 #include "schuler/filter/stream/start_up.h"
@@ -28,7 +28,7 @@ public:
 
     template <class... Types>
     void operator()(Types&... parts) {
-        (archive(*this, parts), ...);  // found by the namespace of the archive
+        (archive(*this, parts), ...);  // found by argument-dependent lookup
     }
     void raw(void* data, std::size_t n) {
         if (way_ != Way::Measure && good && bytes_.size() - at < n) good = false;
@@ -187,7 +187,7 @@ SCHULER_ARCHIVED(FaultHypothesis, source, growing, since, response, information,
 SCHULER_ARCHIVED(WithoutSource, source, since, offset, excess, score, weight)
 SCHULER_ARCHIVED(LeftOutSource, source, since, ranges, rates, range, rate)
 SCHULER_ARCHIVED(FaultWatch, on, all, growing, without, left_out)
-inline void archive(Archive& a, RangeEpochWork& work) {  // the rest is made anew at each epoch
+inline void archive(Archive& a, RangeEpochWork& work) {  // the rest is recomputed at each epoch
     auto& [scalars, count, excluded, clock_jump, alarm, disagreeing, disagreeing_since] = work;
     a(excluded, clock_jump, alarm, disagreeing, disagreeing_since);
     if (a.reads()) count = 0;
@@ -208,7 +208,7 @@ void archive(Archive& a, AtMostOne<T>& one) {
     one.use();
 }
 template <class Frame>
-void archive(Archive& a, FilterRun<Frame>& run) {  // one that has diverged is not saved
+void archive(Archive& a, FilterRun<Frame>& run) {  // a diverged run is not saved
     auto& [filter, increment, event, epoch, still, bridge, instant, outputs, next_output, next_constraint, next_feedback,
            feedback_period, gates, wheels, vibration, last_still, carried, corrected, health, shadows, ranges, undecided_heading,
            fixes, suspect, wanted, openings, sides_changed, rival, challenged, diverged] = run;

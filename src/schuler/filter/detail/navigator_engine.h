@@ -1,4 +1,4 @@
-// What a Navigator does, without the frame of its mechanization.
+// Implementation of Navigator, independent of the mechanization frame.
 #pragma once
 
 #include "schuler/filter/navigator_settings.h"
@@ -15,12 +15,12 @@ namespace schuler::filter::detail {
 
 class Archive;
 
-/// The last so many of something, oldest first.
+/// The most recent elements up to a fixed number, oldest first.
 template <class T>
 class Ring {
 public:
     explicit Ring(std::size_t capacity) { memory.all.resize(capacity); }
-    /// True where the oldest was lost.
+    /// True if the oldest element was overwritten.
     bool push(const T& x) {
         const std::size_t n = memory.all.size();
         const bool full = memory.count == n;
@@ -83,27 +83,27 @@ protected:
 private:
     FeedStatus told(Source source, Time time, FeedStatus status);
     void enter(Phase next, Time time);
-    /// Brings the alignment to the sample that was settled last, and begins to navigate when the start is known.
+    /// Advances the alignment to the last settled sample, and starts navigation when the initial state is known.
     void align();
     bool align_as_given();
     bool align_by_samples();
     [[nodiscard]] double baro_height_at(Time time) const;
     [[nodiscard]] std::uint64_t fingerprint() const;
     void archive_all(Archive& a);
-    /// Consumes what is old enough. False where the filter has diverged.
+    /// Processes the samples that are old enough. False if the filter has diverged.
     virtual bool advance() = 0;
-    /// Sets the run to a start, whose `increment` is its first in the data.
+    /// Initialises the run at a start whose `increment` is its first in the data.
     virtual void set_out(const Start& start, double baro_height) = 0;
     virtual void archive_run(Archive& a) = 0;
 
-    bool given_ = false;              // a given start is still to come
+    bool given_ = false;              // a given start is still pending
     double baro_height_ = not_given;  // m, the last before the start
 };
 
-/// The instruments that states are made for: those that are fed.
+/// The instruments that are fed and therefore have states.
 [[nodiscard]] Sensors instruments_of(const FeedRates& rates);
 
-/// The settings have been checked: there is nothing in them that is refused here.
+/// The settings must have been checked; none are rejected here.
 [[nodiscard]] std::unique_ptr<NavigatorEngine> make_engine(const NavigatorSettings& settings);
 
 }  // namespace schuler::filter::detail

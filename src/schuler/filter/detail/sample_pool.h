@@ -1,4 +1,4 @@
-// Samples of one instrument that wait for their turn, in order of time, in a store of fixed size.
+// Pending samples of one instrument in time order, in storage of fixed size.
 #pragma once
 
 #include "schuler/core/time.h"
@@ -10,7 +10,7 @@
 
 namespace schuler::filter::detail {
 
-/// Indices of samples stay valid until they are let go. The store is another's: what the filter reads by index.
+/// Indices of samples remain valid until released. The storage belongs to the caller: the filter reads it by index.
 template <class Sample>
 class SamplePool {
 public:
@@ -20,7 +20,7 @@ public:
         memory.free.reserve(capacity);
         clear();
     }
-    SamplePool(SamplePool&&) = default;  // a copy would have no room
+    SamplePool(SamplePool&&) = default;  // move only, since a copy would not keep the capacity
     SamplePool& operator=(SamplePool&&) = default;
 
     void clear() {
@@ -34,16 +34,16 @@ public:
     [[nodiscard]] bool empty() const { return waiting() == 0; }
     [[nodiscard]] bool full() const { return memory.free.empty(); }
     [[nodiscard]] std::size_t waiting() const { return memory.order.size() - memory.first; }
-    /// The k-th that waits, in order of time.
+    /// Index of the k-th pending sample in time order.
     [[nodiscard]] std::size_t index(std::size_t k) const { return memory.order[memory.first + k]; }
 
-    /// Whether one of this time waits.
+    /// True if a sample of this time is pending.
     [[nodiscard]] bool has(const std::vector<Sample>& store, Time time) const {
         if (empty() || store[memory.order.back()].time < time) return false;
         const auto at = place(store, time, false);
         return at != memory.order.end() && store[*at].time == time;
     }
-    /// Puts a sample behind those of its time and before later ones; not full. False where later ones wait already.
+    /// Inserts a sample after those of equal time and before later ones; must not be full. False if later ones are pending.
     bool insert(std::vector<Sample>& store, const Sample& sample) {
         const std::uint32_t at = memory.free.back();
         memory.free.pop_back();
@@ -53,10 +53,10 @@ public:
         else memory.order.insert(place(store, sample.time, true), at);
         return last;
     }
-    /// Takes the first from those that wait. It keeps its place in the store until it is let go as often as it is `held`.
+    /// Removes the first pending sample. It keeps its place in the storage until released as often as it is `held`.
     std::size_t take() {
         const std::size_t at = memory.order[memory.first++];
-        if (memory.first == memory.uses.size() || empty()) {  // moved together now and then
+        if (memory.first == memory.uses.size() || empty()) {  // occasional compaction
             memory.order.erase(memory.order.begin(), memory.order.begin() + static_cast<std::ptrdiff_t>(memory.first));
             memory.first = 0;
         }
@@ -72,7 +72,7 @@ public:
     struct Memory {
         std::vector<std::uint32_t> order, free;
         std::vector<std::uint8_t> uses;
-        std::size_t first = 0;  ///< of those in `order` that wait
+        std::size_t first = 0;  ///< of the pending samples in `order`
     };
     Memory memory;
 

@@ -14,7 +14,7 @@ ProtectionLimits::ProtectionLimits(const ProtectionSettings& s) {
     const auto two_sided = [](double p) { return std::sqrt(math::chi_square_quantile(1.0 - p, 1.0)); };
     const auto radial = [](double p) { return std::sqrt(-2.0 * std::log(p)); };
     test = two_sided(s.false_alarm);
-    bias = two_sided(2.0 * s.missed_detection);  // on one side: the fault has a sign
+    bias = two_sided(2.0 * s.missed_detection);  // one-sided: the fault has a sign
     horizontal = radial(s.missed_detection);
     vertical = two_sided(s.missed_detection);
     horizontal_free = radial(s.fault_free);
@@ -23,7 +23,7 @@ ProtectionLimits::ProtectionLimits(const ProtectionSettings& s) {
 
 namespace {
 
-/// Hypotheses of a source stand in the order of their starts; the next youngest of the two that are nearest in age goes.
+/// Hypotheses of a source are in the order of their starts; of the two nearest in age the younger one is removed.
 void begin_in(std::vector<FaultHypothesis>& list, int source, bool growing, Time now, Eigen::Index states) {
     constexpr std::size_t most = FaultWatch::most_ages;
     std::array<std::size_t, most + 1> mine{};
@@ -147,7 +147,7 @@ void FaultWatch::follow(const estim::StateMatrix& P, std::span<const WatchedScal
         w.offset += dx - found;
         w.excess = Q - after;
         for (int k = 0; k < 6; ++k) {
-            constexpr double rounding = 1e-6;  // of the variance, which the excess is a difference of
+            constexpr double rounding = 1e-6;  // fraction of the variance, because the excess is a difference of such
             if (w.excess(k, k) > rounding * Q(k, k)) w.score = std::max(w.score, w.offset(k) * w.offset(k) / w.excess(k, k));
         }
     }
@@ -159,7 +159,7 @@ void FaultWatch::follow_one(const estim::StateMatrix& P, const WatchedScalar& sc
     const double s = row.dot(gain) + scalar.variance;
     gain *= 1.0 / s;
     const auto told = [&](FaultHypothesis& h, double wrong) {
-        // computed minus measured: what is measured too long makes it smaller
+        // computed minus measured: a measurement that is too long makes it smaller
         const double mean = row.dot(h.response) - (h.source == scalar.source ? wrong : 0.0);
         if (mean == 0.0) return;
         h.response.head(used) -= mean * gain.head(used);

@@ -10,9 +10,9 @@ GateDecision decide(GateState& state, const GateLimits& limits, Time time, int d
         state.run = 0;
         return GateDecision::Accept;
     }
-    // Rejected measurements agree with each other when the change of their innovations is explained by their noise and by the
-    // drift of the estimate between them, or goes on as it went before (an estimate captured by an outlier has a false velocity,
-    // of which its covariance knows nothing): then it is the estimate that is off.
+    // Rejected measurements are mutually consistent if the change of their innovations is explained by their noise and by the
+    // drift of the estimate between them, or continues as before (an estimate captured by an outlier has a wrong velocity not
+    // reflected in its covariance): the estimate is then in error.
     const double dt = (time - state.last).seconds();
     const double tolerance = 4.0 * std::sqrt(2.0) * measurement_sigma.maxCoeff() + 4.0 * drift_sigma * dt;
     const Eigen::Vector3d change = innovation - state.innovation;
@@ -21,7 +21,7 @@ GateDecision decide(GateState& state, const GateLimits& limits, Time time, int d
         state.run > 0 && (change.norm() < allowed || (state.run > 1 && (change - dt * state.rate).norm() < allowed));
     state.rate = state.run > 0 && dt > 0.0 ? Eigen::Vector3d(change / dt) : Eigen::Vector3d(Eigen::Vector3d::Zero());
     if (!agrees) {
-        state.run = state.run > 0 ? 1 : 0;  // the last one and this one may begin a new run
+        state.run = state.run > 0 ? 1 : 0;  // the last one and this one may start a new run
         state.since = state.run > 0 ? state.last : time;
     }
     ++state.run;

@@ -1,4 +1,4 @@
-// Gating of a measurement channel with recovery: a run of consistent rejected fixes wins in the end, an isolated cluster does not.
+// Gating of a measurement channel with recovery: a consistent run of rejected fixes is finally accepted, an isolated cluster not.
 #pragma once
 
 #include "schuler/core/time.h"
@@ -10,10 +10,10 @@ namespace schuler::filter {
 /// Memory of one channel; plain and copyable.
 struct GateState {
     int run = 0;   ///< consecutive rejected, mutually consistent measurements
-    Time since{};  ///< of the first of them
+    Time since{};  ///< time of the first of them
     Time last{};
     Eigen::Vector3d innovation = Eigen::Vector3d::Zero();  ///< of the last of them
-    Eigen::Vector3d rate = Eigen::Vector3d::Zero();        ///< its change per second since the one before; zero for the first
+    Eigen::Vector3d rate = Eigen::Vector3d::Zero();        ///< change per second from the one before; zero for the first
 };
 
 enum class GateDecision { Accept, Reject, Recover };
@@ -24,8 +24,8 @@ struct GateLimits {
     int recovery_count = 10;
 };
 
-/// Decides on one measurement. innovation, measurement_sigma: its used components first, unused ones zero; drift_sigma: how fast
-/// (unit/s, one sigma) the estimate may move away by itself. Updates the memory.
+/// Decides on one measurement. innovation, measurement_sigma: its used components first, unused ones zero; drift_sigma: rate at
+/// which the estimate may drift (unit/s, one sigma). Updates the memory.
 [[nodiscard]] GateDecision decide(GateState& state, const GateLimits& limits, Time time, int dof, double nis,
                                   const Eigen::Vector3d& innovation, const Eigen::Vector3d& measurement_sigma,
                                   double drift_sigma);

@@ -1,5 +1,5 @@
-// When fixes are refused in a row there are two suspects, the receiver and the navigation. Two hypotheses go side by side until the data
-// decide, and what is reported covers both: members of Pass.
+// Consecutive refused fixes may be due to the receiver or the navigation. Two hypotheses run in parallel until the data decide,
+// and the reported uncertainty covers both: members of Pass.
 
 #include "schuler/core/units.h"
 #include "schuler/earth/earth.h"
@@ -18,20 +18,20 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// An accelerating error, or one that the log explains, needs few fixes to be accepted; an ambiguous one what the user has set.
+/// An accelerating error, or one explained by the log, requires few fixes for acceptance; an ambiguous one the user's number.
 constexpr int few_fixes = 4, explained_fixes = 2;
 constexpr double few_seconds = 3.0;
-/// What lever arm, latency and heading make of the first metres of a motion is no jump of the receiver, m.
+/// The effect of lever arm, latency and heading on the first metres of a motion is not a jump of the receiver, m.
 constexpr double least_jump = 1.0;
 
-/// u u^T of the vertical u in the axes of the filter's attitude errors; the geocentric one will do.
+/// u u^T of the vertical u in the axes of the filter's attitude errors; the geocentric one is sufficient.
 Eigen::Matrix3d down_axis(const InertialFilter<GeographicFrame>&) { return Vector3d::UnitZ() * Eigen::RowVector3d::UnitZ(); }
 Eigen::Matrix3d down_axis(const InertialFilter<EarthFixedFrame>& f) {
     const Vector3d up = f.nav.position.r.normalized();
     return up * up.transpose();
 }
 
-/// The components of a measurement where they belong: north, east, down.
+/// The components of a measurement in their places: north, east, down.
 Vector3d in_place(const Vector3d& packed, std::uint8_t components) {
     if (components == 7) return packed;
     Vector3d out = Vector3d::Zero();
@@ -47,7 +47,7 @@ Vector3d packed(const Vector3d& ned, std::uint8_t components) {
     return out;
 }
 
-/// One state less another: position (m), velocity (m/s), attitude (rad), north, east, down.
+/// Difference of two states: position (m), velocity (m/s), attitude (rad), north, east, down.
 Vector9 difference(const earth::Earth& earth, const NavState& a, const NavState& b) {
     Vector9 d;
     d.head<3>() = earth::ned_difference(earth, a.position, b.position);
@@ -57,7 +57,7 @@ Vector9 difference(const earth::Earth& earth, const NavState& a, const NavState&
     return d;
 }
 
-/// What the channels say that refuse their fixes now.
+/// Combines the channels that currently refuse their fixes.
 template <class Frame>
 Opening opening_of(const FilterRun<Frame>& run) {
     Opening o;
@@ -66,7 +66,7 @@ Opening opening_of(const FilterRun<Frame>& run) {
         const FixChannel& c = run.fixes[k];
         if (c.run.count() == 0) continue;
         if (k % 2 == 0) {
-            o.position += c.run.latest();  // horizontal and vertical, where those are two channels
+            o.position += c.run.latest();  // horizontal and vertical, if those are two channels
             o.rate += c.run.rate();
         } else {
             o.velocity += c.run.latest();
@@ -133,14 +133,14 @@ AidStatus Pass<Frame>::judge(FilterRun<Frame>& run, Channel channel, AidRecord& 
     const auto accept = [&](bool elsewhere) {
         if (levels.two && levels.at_other && !elsewhere)
             observer.alert({record.stamp, channel.kind, IntegrityTest::JumpBack, levels.other.norm()});
-        // After a long interruption the first fix decides where it goes on, and founds a level of its own.
+        // After a long interruption the first fix determines the position and starts a new level.
         if (position && !levels.two && since_fit > 5.0 && record.sigma_state.maxCoeff() > 3.0 * sigma) levels.here = 0.0;
         if (position) levels.confirm(elsewhere, since_fit);
         fixes.fit(record.time, in_place(record.innovation, channel.components), sigma);
         record.other_level = elsewhere;
         return AidStatus::Accepted;
     };
-    // Measured from the other level.
+    // Measured relative to the other level.
     const auto move = [&] {
         const Vector3d offset = packed(levels.other, channel.components);
         local.innovation -= offset;
@@ -181,7 +181,7 @@ AidStatus Pass<Frame>::judge(FilterRun<Frame>& run, Channel channel, AidRecord& 
     const FixChannel& speeds = run.fixes[channel.vertical_only ? 3 : 1];
     if (position && !suspect && fixes.run.shape(speed_sigma(run.filter)) == RunShape::Constant) {
         const bool at_once = fixes.began_at_once(), jump = fixes.run.mean().norm() > least_jump;
-        // After an interruption the navigation has drifted away itself where the velocities are refused as well.
+        // After an interruption with refused velocities the navigation itself has drifted.
         const bool only_here = since_fit > 5.0 && speeds.run.count() == 0;
         if (jump && (at_once || only_here || speeds.fits >= few_fixes)) {
             observer.alert({record.stamp, channel.kind, IntegrityTest::Jump, fixes.run.mean().norm()});
@@ -193,7 +193,7 @@ AidStatus Pass<Frame>::judge(FilterRun<Frame>& run, Channel channel, AidRecord& 
             return accept(true);
         }
     }
-    // A velocity that is refused while positions go on to fit is the receiver's own affair, unless the IMU log says otherwise.
+    // A refused velocity while positions agree is a receiver error, unless the IMU log indicates otherwise.
     const bool positions_fit = !position && run.fixes[channel.vertical_only ? 2 : 0].fits > 0 && !suspect;
     const int needed = suspect ? 1 : positions_fit ? settings_.aids.recovery_count : 2;
     const bool long_enough = !positions_fit || fixes.run.span() >= settings_.aids.recovery_time;
@@ -203,7 +203,7 @@ AidStatus Pass<Frame>::judge(FilterRun<Frame>& run, Channel channel, AidRecord& 
 
 namespace {
 
-/// What a rival makes of the fixes.
+/// Processes the fixes with a rival.
 template <class Frame>
 struct FixCount : PassObserver<Frame> {
     Rival<Frame>& rival;
@@ -224,15 +224,15 @@ struct FixCount : PassObserver<Frame> {
 
 template <class Frame>
 void Pass<Frame>::open(FilterRun<Frame>& run, const Opening& o) const {
-    // Since when, and by what velocity: a tilt e makes g e T of it, a heading error that much of the speed. Where attitude was lost (a
-    // hole or fault of the inertial unit), the biases learnt since are wrong as well and restart.
+    // Start time and velocity: a tilt e causes g e T, a heading error the same fraction of the speed. If attitude was lost (a gap
+    // or fault of the inertial unit), the biases estimated since are wrong as well and restart.
     auto& P = run.filter.P;
     const double size2 = o.position.squaredNorm(), span = std::max(1.0, o.span);
     const double faster2 = std::max({size2 / (span * span), o.rate.squaredNorm(), o.velocity.squaredNorm()});
     P.diagonal().template segment<3>(Layout::position).array() += size2;
     P.diagonal().template segment<3>(Layout::velocity).array() += faster2;
-    if (settings_.coupling == Coupling::Separate) return;  // which estimates neither attitude nor biases
-    constexpr double most_tilt = 0.3, most_heading = 1.0;  // rad: beyond them the filter is not linear
+    if (settings_.coupling == Coupling::Separate) return;  // it estimates neither attitude nor biases
+    constexpr double most_tilt = 0.3, most_heading = 1.0;  // rad: beyond these the filter is not linear
     const double speed2 = std::max(1.0, run.filter.geographic(model_).v_eb_n.squaredNorm());
     const double tilt2 = std::min(most_tilt * most_tilt, faster2 / std::pow(units::g0 * span, 2));
     const double heading2 = std::min(most_heading * most_heading, faster2 / speed2);
@@ -285,7 +285,7 @@ void Pass<Frame>::change_sides(FilterRun<Frame>& run) const {
     run.next_output = Time{INT64_MAX};
     ++run.increment;
     std::swap(run, winner);
-    // What the log explains is decided. Otherwise the loser goes on, and what is reported covers it.
+    // If the log explains it, the case is decided. Otherwise the loser continues, and the reported uncertainty includes it.
     if (other.explained) {
         held.clear();
     } else {
@@ -325,7 +325,7 @@ void Pass<Frame>::contest(FilterRun<Frame>& run, Observer& observer) const {
         if (!rival.challenger && age > rival.patience) run.rival.clear();
         return;
     }
-    // One that has lost and takes these fixes no more than the winner makes room for a new challenger.
+    // A loser that accepts these fixes no better than the winner is replaced by a new challenger.
     const std::optional<Opening> wanted = std::exchange(run.wanted, std::nullopt);
     if (wanted && !rival.challenger && rival.accepted_in_row == 0) {
         run.wanted = wanted;
@@ -337,15 +337,15 @@ void Pass<Frame>::contest(FilterRun<Frame>& run, Observer& observer) const {
     const FixChannel& main = positions.fitted || positions.run.count() > 0 ? positions : speeds;
     const bool main_refuses = std::ranges::any_of(run.fixes, [](const FixChannel& c) { return c.run.count() > 0; });
     if (rival.challenger) {
-        if (!main_refuses && main.fits >= 2) {  // the receiver was wrong, and has come back
+        if (!main_refuses && main.fits >= 2) {  // the receiver was wrong, and has recovered
             observer.alert(alert_of(rival.opening, run.filter.time(), IntegrityTest::Receiver));
             run.rival.clear();
             return;
         }
-        // One that takes the velocities and refuses all positions, or the other way round, explains as little as one that refuses both.
+        // A rival that accepts the velocities and refuses all positions, or vice versa, is no better than one that refuses both.
         const bool half = rival.refused >= settings_.aids.recovery_count && 4 * rival.refused > rival.accepted;
         if (half ||
-            (rival.refused > 0 && rival.accepted_in_row == 0)) {  // it does not explain them either: perhaps a bias has jumped
+            (rival.refused > 0 && rival.accepted_in_row == 0)) {  // it does not explain them either: possibly a bias has jumped
             const int attempts = rival.attempts + 1;
             run.rival.clear();
             if (!wanted) return;
@@ -357,7 +357,7 @@ void Pass<Frame>::contest(FilterRun<Frame>& run, Observer& observer) const {
             return;
         }
         if (!main_refuses) return;
-        // Velocities that go on to fit say that the positions wander by themselves.
+        // Continued agreement of the velocities shows that the positions wander by themselves.
         if (!rival.explained && positions.run.count() > 1 && speeds.fits >= few_fixes &&
             (positions.run.rate() - speeds.sum / speeds.fits).norm() > 4.0 * speeds.fitted_sigma)
             return;
@@ -380,13 +380,13 @@ void Pass<Frame>::contest(FilterRun<Frame>& run, Observer& observer) const {
         }
         return;
     }
-    // The loser goes on: it is right after all where it takes the fixes and the winner does not.
+    // The loser continues: it is accepted after all if it agrees with the fixes and the winner does not.
     if (rival.accepted_in_row >= 2 && main_refuses && main.run.count() >= 2) {
         change_sides(run);
         run.rival.clear();
         return;
     }
-    // What runs away faster and faster is an inertial error: that settles it.
+    // Accelerating divergence is an inertial error, which decides the case.
     if (rival.run.fixes[0].run.shape(speed_sigma(rival.run.filter)) == RunShape::Growing)
         rival.patience = std::min(rival.patience, settings_.aids.recovery_time);
     if ((rival.accepted_in_row >= 2 && !main_refuses) || age > rival.patience) run.rival.clear();

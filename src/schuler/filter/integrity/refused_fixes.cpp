@@ -53,7 +53,7 @@ RunShape RefusedRun::shape(double drift) const {
         scatter = std::max(scatter, (samples_[i].innovation - all.mean - t * all.rate).norm());
     }
     const double change = all.rate.norm() * span();
-    // of a line through n measurements along its length, and of the estimate itself
+    // of a straight line through n measurements along its length, and of the estimate itself
     const double change_sigma = std::sqrt(3.0 * (12.0 / n * sigma_ * sigma_ + std::pow(drift * span(), 2)));
     if (scatter > 6.0 * sigma_ + 0.5 * std::max(change, 0.5 * size)) return RunShape::Erratic;
     if (change < std::min(0.4 * size, std::max(0.2 * size, 3.0 * change_sigma))) return RunShape::Constant;
@@ -64,7 +64,7 @@ RunShape RefusedRun::shape(double drift) const {
 
 void FixLevels::confirm(bool other_one, double dt, double most) {
     (other_one ? there : here) += std::clamp(dt, 0.0, most);
-    const bool came_back = two && at_other && !other_one;  // that is where it belongs
+    const bool came_back = two && at_other && !other_one;  // it has returned to its own level
     if (came_back || (!other_one && there < 0.01 * here)) {
         two = false;
         there = 0.0;

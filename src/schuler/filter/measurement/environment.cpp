@@ -27,7 +27,7 @@ Measurement magnetic_azimuth(const Estimate& e, const Vector3d& field_b, double 
     const double bias = with_bias ? e.parameters(e.layout.mag_bias) : 0.0;
     const double azimuth = std::atan2(field_n.y(), field_n.x());
     estim::Row& row = m.add(math::wrap_pi(azimuth - declination + bias), variance);
-    // The estimated field is turned by -phi: d(field) = -phi x field = [field x] phi.
+    // The estimated field is rotated by -phi: d(field) = -phi x field = [field x] phi.
     const Eigen::RowVector3d by_field(-field_n.y() / h2, field_n.x() / h2, 0.0);
     attitude_of(row) = (by_field * math::skew(field_n)).transpose();
     if (with_bias) row.add(e.layout.mag_bias, 1.0);

@@ -1,15 +1,15 @@
-// Aids from the surroundings: barometric height and magnetic heading.
+// Environmental aids: barometric height and magnetic heading.
 #pragma once
 
 #include "schuler/filter/measurement/measurement.h"
 
 namespace schuler::filter {
 
-/// Height against a barometer's; the barometer's bias is a state. variance in m^2.
+/// Height compared with a barometric height; the barometer bias is a state. variance in m^2.
 [[nodiscard]] Measurement baro_height(const Estimate& estimate, double measured, double variance);
 
-/// Azimuth of the levelled magnetic field against the declination (rad, east positive); the constant offset is a state.
-/// field_b in any unit. variance in rad^2. dof is 0 where the horizontal field is too small to point anywhere.
+/// Azimuth of the levelled magnetic field compared with the declination (rad, east positive); the constant offset is a state.
+/// field_b in any unit. variance in rad^2. dof is 0 if the horizontal field is too small to define a direction.
 [[nodiscard]] Measurement magnetic_azimuth(const Estimate& estimate, const Eigen::Vector3d& field_b, double declination,
                                            double variance);
 

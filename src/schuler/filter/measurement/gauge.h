@@ -1,4 +1,4 @@
-// Heights by depth gauges, barometers and altimeters at places of their own on the body.
+// Heights from depth gauges, barometers and altimeters at separate positions on the body.
 #pragma once
 
 #include "schuler/filter/measurement/measurement.h"
@@ -7,9 +7,9 @@
 
 namespace schuler::filter {
 
-/// Heights above the ellipsoid (m, those that are finite) of up to three gauges at their lever arms (IMU to gauge, m, body), each less
-/// an unknown level where the layout has it. Two gauges on a line along the body tell pitch, a third one beside it tells roll.
-/// variance in m^2. The turn of the vertical over a lever arm is left out: 1e-5 of a millimetre at ten metres.
+/// Heights above the ellipsoid (m; finite values only) of up to three gauges at their lever arms (IMU to gauge, m, body), each
+/// less an unknown level if the layout includes it. Two gauges along the body axis determine pitch, a third one beside it roll.
+/// variance in m^2. The rotation of the vertical over a lever arm is neglected: 1e-5 mm at ten metres.
 [[nodiscard]] Measurement gauge_heights(const Estimate& estimate, const Eigen::Vector3d& heights, double variance,
                                         const std::array<Eigen::Vector3d, 3>& lever_arms_b);
 

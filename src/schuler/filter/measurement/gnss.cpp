@@ -28,7 +28,7 @@ Measurement gnss_position(const Estimate& e, const Geodetic& measured, const Vec
         position_of(row)(axis) = 1.0;
         attitude_of(row) = by_attitude.row(axis).transpose();
         if (e.layout.lever_arm >= 0) row.add3(e.layout.lever_arm, e.C_nb.row(axis).transpose());
-        if (e.layout.gnss_latency >= 0) {  // the fix shows where the antenna was that much earlier
+        if (e.layout.gnss_latency >= 0) {  // the fix gives the earlier position of the antenna
             const double late = e.parameters(e.layout.gnss_latency);
             m.innovation(m.dof - 1) -= late * e.nav.v_eb_n(axis);
             velocity_of(row)(axis) = -late;

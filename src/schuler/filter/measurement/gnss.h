@@ -5,19 +5,19 @@
 
 namespace schuler::filter {
 
-/// Which of north, east, down take part.
+/// Selection of north, east, down components.
 struct Components {
     bool north = true, east = true, down = true;
     [[nodiscard]] bool operator[](int i) const { return i == 0 ? north : i == 1 ? east : down; }
 };
 
-/// Antenna position against a measured geodetic position; variance in m^2 (NED). math.md 5.3 with u = each axis. Where the latency is a
-/// state, the turning of the lever arm during it is left out.
+/// Antenna position compared with a measured geodetic position; variance in m^2 (NED). math.md 5.3 with u = each axis. If the
+/// latency is a state, the rotation of the lever arm during it is neglected.
 [[nodiscard]] Measurement gnss_position(const Estimate& estimate, const Geodetic& measured, const Eigen::Vector3d& variance,
                                         const Eigen::Vector3d& lever_arm_b, Components use);
 
-/// Antenna velocity against a measured north-east-down velocity; variance in m^2/s^2. latency: the state that its
-/// latency's error is, or -1; the acceleration is taken without its dependence on the attitude.
+/// Antenna velocity compared with a measured north-east-down velocity; variance in m^2/s^2. latency: index of the state of the
+/// latency error, or -1; the dependence of the acceleration on attitude is neglected.
 [[nodiscard]] Measurement gnss_velocity(const Estimate& estimate, const Eigen::Vector3d& measured,
                                         const Eigen::Vector3d& variance, const Eigen::Vector3d& lever_arm_b, int latency,
                                         Components use);

@@ -1,4 +1,4 @@
-// The kinds of measurements, and what files, messages and plots call them: the one list of them.
+// The kinds of measurements and their names in files, messages and plots: the only list of them.
 #pragma once
 
 #include "schuler/core/units.h"
@@ -26,19 +26,19 @@ enum class AidKind : std::uint8_t {
     BodyVelocity
 };
 
-/// Position and velocity of a receiver's fix: two sub-vectors, each controlled by itself.
+/// Position or velocity of a receiver's fix: two sub-vectors, each monitored separately.
 [[nodiscard]] constexpr bool is_part_of_fix(AidKind kind) {
     return kind == AidKind::GnssPosition || kind == AidKind::GnssVelocity;
 }
 
-/// One kind.
+/// Description of one kind.
 struct MeasurementInfo {
     AidKind kind;
     std::string_view key;                        ///< in files
     std::string_view name;                       ///< in messages and plots
     std::string_view unit;                       ///< of plots
-    double per_unit;                             ///< SI units in one of them
-    std::array<std::string_view, 3> components;  ///< empty: there are fewer
+    double per_unit;                             ///< SI units per displayed unit
+    std::array<std::string_view, 3> components;  ///< empty: fewer components
 };
 
 inline constexpr std::array measurement_infos{

@@ -1,7 +1,7 @@
-// What every measurement shares: the estimate it is compared with, and rows in local-level errors.
+// Shared by all measurements: the estimate they are compared with, and rows in local-level errors.
 //
 // A measurement is one pure function from an estimate and a sample to innovation, rows and variances. Rows refer to
-// (position, velocity, attitude) errors in north-east-down whatever the mechanization; the filter maps them.
+// (position, velocity, attitude) errors in north-east-down for both mechanizations; the filter transforms them.
 #pragma once
 
 #include "schuler/core/nav_state.h"
@@ -16,7 +16,7 @@
 
 namespace schuler::filter {
 
-/// The estimate as measurements see it.
+/// The estimate as used by measurements.
 struct Estimate {
     earth::Earth earth;
     Layout layout;
@@ -24,7 +24,7 @@ struct Estimate {
     Eigen::Matrix3d C_nb;
     Eigen::Vector3d w_ib_b;  ///< rad/s, corrected for the gyro errors
     Eigen::Vector3d a_n =
-        Eigen::Vector3d::Zero();    ///< m/s^2, mean acceleration over the last moments, the Coriolis part left out
+        Eigen::Vector3d::Zero();    ///< m/s^2, mean acceleration over the most recent interval, without the Coriolis contribution
     estim::StateVector parameters;  ///< nominal values of the states from 9 on
 };
 
@@ -36,7 +36,7 @@ struct Measurement {
     Eigen::Vector3d innovation = Eigen::Vector3d::Zero();
     Eigen::Vector3d variance = Eigen::Vector3d::Ones();
 
-    /// Appends a component, whose row the caller fills.
+    /// Appends a component; the caller fills its row.
     estim::Row& add(double innovation_, double variance_) {
         innovation(dof) = innovation_;
         variance(dof) = variance_;
@@ -44,7 +44,7 @@ struct Measurement {
     }
 };
 
-/// Its components in the first three states' axes by the rows of 3 x 3 matrices: north, east, down of `value`.
+/// The head of a row split into its position, velocity and attitude parts.
 inline auto position_of(estim::Row& row) { return row.head.segment<3>(Layout::position); }
 inline auto velocity_of(estim::Row& row) { return row.head.segment<3>(Layout::velocity); }
 inline auto attitude_of(estim::Row& row) { return row.head.segment<3>(Layout::attitude); }

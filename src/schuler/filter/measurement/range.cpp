@@ -32,7 +32,7 @@ AntennaEstimate antenna_of(const earth::Earth& earth, const NavState& nav, const
 
 RangeRows range_rows(const AntennaEstimate& a, const Ecef& transmitter, const Vector3d& velocity) {
     const Vector3d w(0.0, 0.0, a.w_ie);
-    // the transmitter in the axes of the time of reception: two rounds of light time
+    // the transmitter in the axes at reception: two iterations of light time
     double sine = 0.0, cosine = 1.0;
     const auto turned = [&](const Vector3d& x) {
         return Vector3d(cosine * x.x() + sine * x.y(), cosine * x.y() - sine * x.x(), x.z());
@@ -47,7 +47,7 @@ RangeRows range_rows(const AntennaEstimate& a, const Ecef& transmitter, const Ve
         range = (a.r_e - r_j).norm();
     }
     const Vector3d u_e = (a.r_e - r_j) / range;
-    const Vector3d vi_j = turned(velocity + w.cross(transmitter.r));  // against inertial space
+    const Vector3d vi_j = turned(velocity + w.cross(transmitter.r));  // relative to inertial space
     const double slower = 1.0 - u_e.dot(vi_j) / speed_of_light;
     RangeRows m;
     m.range = range;
@@ -57,10 +57,10 @@ RangeRows range_rows(const AntennaEstimate& a, const Ecef& transmitter, const Ve
     m.u_n = u;
     m.range_by_position = u;
     m.range_by_attitude = u.cross(a.l_n);
-    // turning u: by the velocity across the line of sight, both against inertial space
+    // rotation of u: by the velocity across the line of sight, both relative to inertial space
     const Vector3d v_rel = C_ne * (a.v_e + w.cross(a.r_e) - vi_j);
     const Vector3d across = (v_rel - u * u.dot(v_rel)) / range;
-    // the velocity turns with C_en, and w x r_a changes with the place
+    // the velocity rotates with C_en, and w x r_a changes with position
     const Vector3d by_place = C_ne * (u_e.cross(w));
     m.rate_by_position = (across + a.by_displacement.transpose() * a.v_n.cross(u) + by_place) / slower;
     m.rate_by_velocity = u / slower;

@@ -1,4 +1,4 @@
-// How the run uses a measurement in each coupling, and how it watches the receiver: members of Pass.
+// Use of a measurement in each coupling, and monitoring of the receiver: members of Pass.
 
 #include "schuler/filter/update/pass.h"
 #include "schuler/filter/update/separate.h"
@@ -15,8 +15,8 @@ namespace {
 /// 0: position, 1: velocity.
 std::size_t sub_vector(AidKind kind) { return kind == AidKind::GnssVelocity ? 1 : 0; }
 
-/// Corrects the filter by scalars whose rows are dense. Where the slow errors of fixes are `considered` only, their share of the gain is
-/// nothing [Schmidt1966]. The smoother does not follow. Returns the error that was found.
+/// Corrects the filter by scalars with dense rows. If the slow errors of fixes are only `considered`, their gain is zero
+/// [Schmidt1966]. The smoother does not follow. Returns the estimated error.
 template <class Frame>
 StateVector correct(FilterRun<Frame>& run, const InertialModel& model, const Measurement& m,
                     const std::array<StateVector, 3>& rows, const StateVector& corrected, bool considered,
@@ -93,7 +93,7 @@ void Pass<Frame>::carry(CarriedFix& fix, const estim::Transition& phi) const {
     fix.corrected = phi.times(fix.corrected);
     for (int i = 0; i < fix.measurement.dof; ++i) {
         StateVector& h = fix.rows[static_cast<std::size_t>(i)];
-        // what a slow error of the fix has forgotten since is noise
+        // the part of a fix's slow error that has decayed since then is noise
         const auto forgotten = [&](int state, const Eigen::Vector3d& sigma) {
             for (int k = 0; state >= 0 && k < 3; ++k)
                 fix.measurement.variance(i) +=
@@ -127,13 +127,13 @@ bool Pass<Frame>::use_separately(FilterRun<Frame>& run, Channel channel, const M
     const double dt = last ? (stamp - *last).seconds() : 1.0;
     Gains K = Gains::Zero(run.filter.P.rows(), 3);
     if (channel.kind == AidKind::Baro) {
-        // A loop that is closed too seldom for its time constant would swing up.
+        // A loop closed too seldom for its time constant would be unstable.
         K = barometer_gains(run.filter.P.rows(), run.filter.estimate(model_).C_nb, std::min(dt, 0.2 * s.baro_time), s.baro_time);
     } else if (position || channel.kind == AidKind::GnssVelocity) {
         if (s.restart_period > 0.0 && last && dt < s.restart_period - 1e-3) return false;
         const double share = s.restart_period > 0.0 ? 1.0 : correction_share(dt, position ? s.position_time : s.velocity_time);
         K = setting_gains(run.filter.P.rows(), local, position ? Layout::position : Layout::velocity, share);
-        // Where there is a barometer, the vertical channel is its own.
+        // With a barometer, the vertical channel is separate.
         if (model_.layout.baro_bias >= 0) K.row((position ? Layout::position : Layout::velocity) + 2).setZero();
     } else {
         return false;
@@ -200,7 +200,7 @@ void Pass<Frame>::look_back(FilterRun<Frame>& run, const Event& event, Observer&
 template <class Frame>
 void Pass<Frame>::renew_shadows(FilterRun<Frame>& run) const {
     if (run.shadows.size() != 2 || run.health[0].excluded || run.health[1].excluded) return;
-    if (run.health[0].slow_run > 0 || run.health[1].slow_run > 0) return;  // not from under suspicion
+    if (run.health[0].slow_run > 0 || run.health[1].slow_run > 0) return;  // not while under suspicion
     const Time now = run.filter.time();
     const double window = settings_.integrity.window;
     for (std::size_t i = 0; i < 2; ++i) {

@@ -27,7 +27,7 @@ Matrix3d DisturbanceChain::dynamics() const {
 }
 
 Matrix3d DisturbanceChain::growth(double distance) const {
-    // All poles lie at -rate: what is left of the dynamics without them is nilpotent.
+    // All poles are at -rate: the remainder of the dynamics is nilpotent.
     Matrix3d present = Matrix3d::Zero();
     present.diagonal().head(order).setOnes();
     const Matrix3d X = distance * (dynamics() + rate * present);
@@ -91,12 +91,12 @@ void each_chain(const DisturbanceModel& model, const Layout& layout, Each each) 
         each(model.random_part(), ChainStates{layout.gravity_random, layout.gravity_slope, layout.gravity_curvature});
 }
 
-/// Mean of the growth over the way, by Simpson's rule: good to the fourth order of distance over length.
+/// Mean of the growth over the distance, by Simpson's rule: accurate to fourth order in distance over length.
 Matrix3d mean_growth(const DisturbanceChain& chain, double distance) {
     return (Matrix3d::Identity() + 4.0 * chain.growth(0.5 * distance) + chain.growth(distance)) / 6.0;
 }
 
-/// Likewise its mean with the weight of what is integrated twice, which falls to zero at the end of the way.
+/// The same with the weight for double integration, which decreases to zero at the end of the distance.
 Matrix3d double_mean_growth(const DisturbanceChain& chain, double distance) {
     return (Matrix3d::Identity() + 2.0 * chain.growth(0.5 * distance)) / 3.0;
 }
@@ -129,7 +129,7 @@ void fill_disturbance(const DisturbanceModel& model, const Layout& layout, doubl
     };
     each_chain(model, layout, [&](const DisturbanceChain& chain, const ChainStates& at) {
         const auto state = [&at](int i) { return at[static_cast<std::size_t>(i)]; };
-        // Growth = L U = D (D^-1 L D) U with triangles of unit diagonals: shears by U, shears by the other, D. No pivot is ever zero:
+        // Growth = L U = D (D^-1 L D) U with triangles of unit diagonals: shears by U, shears by the other, D. No pivot is zero:
         // the leading minors of exp(F d) are exp(-n k d) times polynomials with positive coefficients.
         const Matrix3d M = chain.growth(distance);
         Matrix3d L = Matrix3d::Identity(), U = M;
@@ -146,7 +146,7 @@ void fill_disturbance(const DisturbanceModel& model, const Layout& layout, doubl
             for (int to = chain.order - 1; to > 0; --to)
                 for (int from = 0; from < to; ++from) shear(state(to) + axis, state(from) + axis, L(to, from) * D(from) / D(to));
         }
-        // Velocity and position by the value's mean over the span, of the states behind the shears: M^-1 D takes these back.
+        // Velocity and position from the mean value over the interval, by the states after the shears: M^-1 D reverses these.
         const Matrix3d back = chain.growth(-distance) * D.asDiagonal();
         const RowVector3d velocity = time * mean_growth(chain, distance).row(0) * back;
         const RowVector3d position = 0.5 * time * time * double_mean_growth(chain, distance).row(0) * back;
@@ -166,7 +166,7 @@ void add_disturbance_noise(const DisturbanceModel& model, const Layout& layout, 
     const DisturbanceChain chain = model.random_part();
     const std::array<int, 3> at{layout.gravity_random, layout.gravity_slope, layout.gravity_curvature};
     const Matrix3d sigma2 = from_local_level * model.sigma_n.cwiseAbs2().asDiagonal() * from_local_level.transpose();
-    // Gauss's rule of three nodes over where the noise came in; (value, slope, curvature, integral of the value over time).
+    // Three-point Gauss rule over the time of the noise input; (value, slope, curvature, integral of the value over time).
     const double h = std::sqrt(0.6);
     Eigen::Matrix4d Q = Eigen::Matrix4d::Zero();
     for (const auto& [node, weight] : {std::pair{-h, 5.0 / 18.0}, std::pair{0.0, 8.0 / 18.0}, std::pair{h, 5.0 / 18.0}}) {

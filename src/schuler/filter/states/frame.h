@@ -1,4 +1,4 @@
-// The two mechanizations as policies of one filter: state, step, error dynamics and the map of errors to local level.
+// The two mechanizations as policies of one filter: state, step, error dynamics and the map of errors to the local level.
 #pragma once
 
 #include "schuler/core/nav_state.h"
@@ -13,7 +13,7 @@
 
 namespace schuler::filter {
 
-/// Geographic frame: errors are in north-east-down already.
+/// Geographic frame: errors are already in north-east-down.
 struct GeographicFrame {
     using State = NavState;
 
@@ -47,7 +47,7 @@ struct EarthFixedFrame {
     static State corrected(const earth::Earth&, const State& s, const Vector9& dx) { return ins::corrected(s, dx); }
     static NavState geographic(const earth::Earth& earth, const State& s) { return ins::to_geographic(earth, s); }
     static State from_geographic(const earth::Earth& earth, const NavState& s) { return ins::to_ecef(earth, s); }
-    /// Up is taken as geocentric: it differs from the vertical by 3e-3 rad at most.
+    /// Up is taken as geocentric: it differs from the vertical by at most 3e-3 rad.
     static double ground_speed(const State& s) {
         const Eigen::Vector3d up = s.position.r.normalized();
         return (s.v_eb_e - s.v_eb_e.dot(up) * up).norm();

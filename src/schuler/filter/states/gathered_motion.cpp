@@ -14,7 +14,7 @@ namespace {
 
 constexpr int p = Layout::position, v = Layout::velocity, a = Layout::attitude;
 
-/// A scale factor or misalignment: what it adds to the rate about `axis` is itself times the rate about `of`.
+/// A scale factor or misalignment: its contribution to the rate about `axis` is itself times the rate about `of`.
 struct Gain {
     int axis, of;
 };
@@ -23,7 +23,7 @@ constexpr std::array<Gain, 9> gains_of_axes{{{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0,
 /// The first of them that a layout has: scale factors come before misalignments.
 std::size_t first_gain(const Layout& layout) { return layout.gyro_scale >= 0 ? 0 : 3; }
 
-/// Puts a block of A into the rows of the transition.
+/// Copies a block of A into the rows of the transition.
 template <class Block>
 void put(estim::Transition& phi, int row, int column, const Block& block) {
     for (Eigen::Index i = 0; i < 3; ++i)
@@ -109,17 +109,17 @@ void GatheredMotion::fill(const Layout& layout, estim::Transition& phi) const {
 }
 
 void GatheredMotion::add_earth(const ins::ErrorDynamics& earth, estim::Transition& phi) const {
-    // (I + F T/2) Phi (I + F T/2) less the product of the two small terms.
+    // (I + F T/2) Phi (I + F T/2) without the product of the two small terms.
     const double h = 0.5 * time;
     Matrix9 F = ins::matrix(earth);
-    F.block<3, 3>(p, v).setZero();  // the velocity's own step is in Phi
+    F.block<3, 3>(p, v).setZero();  // the propagation of position by velocity is already in Phi
     // Phi F: the first nine columns of Phi are a unit matrix, T, and the skew matrices of the forces.
     Eigen::Matrix<double, 3, 9> by_p = F.topRows<3>(), by_v = F.middleRows<3>(v);
     const auto by_a = F.bottomRows<3>();
     by_p += time * by_v;
     by_p.noalias() += skew(force_twice).lazyProduct(by_a);
     by_v.noalias() += skew(force).lazyProduct(by_a);
-    // F Phi, entry by entry: most of F is zero.
+    // F Phi, element by element: most of F is zero.
     const estim::Transition::Rows before = phi.rows;
     for (int k = 0; k < 9; ++k)
         for (int r = 0; r < 9; ++r)

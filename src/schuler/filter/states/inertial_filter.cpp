@@ -19,10 +19,10 @@ InertialModel::InertialModel(const earth::Earth& earth_, const Layout& layout_, 
       accel_psd(imu.accel_noise * imu.accel_noise),
       floor(StateVector::Zero(estim::padded(layout_.size))) {
     const auto set = [&](int offset, double sigma, double time, double walk, bool constant_part) {
-        // With a turn-on part the sum does not return to zero: a random walk of the same driving noise describes it.
+        // With a turn-on part the sum does not return to zero: it is modelled as a random walk with the same driving noise.
         set_process(offset, 3, {constant_part ? 0.0 : 1.0 / time, 2.0 * sigma * sigma / time + walk * walk});
     };
-    // Flicker is told to the filter as in-run bias of the size of its Allan floor.
+    // Flicker is modelled in the filter as in-run bias with the magnitude of its Allan floor.
     constexpr double allan_floor = 0.664;
     set(Layout::gyro_bias, std::hypot(imu.gyro_bias, allan_floor * imu.gyro_flicker), imu.gyro_bias_time, imu.gyro_rate_walk,
         imu.gyro_turn_on_bias > 0.0 || imu.gyro_rate_walk > 0.0);
@@ -58,8 +58,8 @@ Matrix3d gain(const Vector3d& scale, const Eigen::Matrix<double, 6, 1>& m) {
     return G;
 }
 
-/// Scale factors and misalignments that are no states act where the vehicle turns and where its specific force is not that of rest, which
-/// the biases take over: as white noise that leaves, after a manoeuvre of `manoeuvre` seconds, the error that they do.
+/// Scale factors and misalignments that are not states act during rotation and where the specific force differs from that at rest, whose
+/// effect is absorbed by the biases: modelled as white noise that causes, after a manoeuvre of `manoeuvre` seconds, the same error.
 BridgeNoise gain_noise(const InertialModel& model, const ImuIncrement& increment) {
     constexpr double manoeuvre = 10.0;  // s
     const double dt2 = increment.dt * increment.dt, g0 = units::g0;
@@ -100,9 +100,9 @@ void InertialFilter<Frame>::propagate(const InertialModel& model, const ImuIncre
     const ImuIncrement inc = corrected(model, raw);
     ins::CompensatedIncrement motion = ins::compensate(previous, inc);
     const Matrix3d C0 = C;
-    const Vector3d df = C0 * motion.dv;  // dv is resolved in the body axes of the start of the step
+    const Vector3d df = C0 * motion.dv;  // dv is resolved in the body axes at the start of the step
     if (model.layout.gravity_constant >= 0) {
-        follow_disturbance(model, 0.5 * dt);  // felt half way
+        follow_disturbance(model, 0.5 * dt);  // at mid-step
         motion.dv += felt_disturbance(model, dt);
         set_nav(Frame::step(model.earth, nav, motion));
         follow_disturbance(model, 0.5 * dt);
@@ -125,12 +125,12 @@ void InertialFilter<Frame>::propagate(const InertialModel& model, const ImuIncre
 
 template <class Frame>
 Vector3d InertialFilter<Frame>::vertical_part(const InertialModel& model, const Vector3d& df, double dt) const {
-    constexpr double calm = 0.2;  // m/s^2: more than noise, bias and level that are known leave to a body at rest
+    constexpr double calm = 0.2;  // m/s^2: more than noise, known bias and known level cause for a body at rest
     const Matrix3d C_en = Frame::errors_are_geographic ? Matrix3d(Matrix3d::Identity()) : Frame::C_en(model.earth, nav);
     const Vector3d down = C_en.col(2), vertical = down.dot(df) * down;
     const double horizontal = (df - vertical).norm() / dt;
     if (horizontal < calm) return vertical;
-    // Not known yet, they may leave more: three sigma of their sum.
+    // If not yet known, they may cause more: three sigma of their sum.
     constexpr int a = Layout::attitude, b = Layout::accel_bias;
     const Matrix3d F = math::skew(vertical / dt), cross = F * P.block<3, 3>(a, b) * C.transpose();
     const Matrix3d M =
@@ -148,7 +148,7 @@ Matrix3d InertialFilter<Frame>::disturbance_axes(const InertialModel& model) con
 
 template <class Frame>
 void InertialFilter<Frame>::follow_disturbance(const InertialModel& model, double dt) {
-    // the way of the vehicle, which may not be that of the nominal state
+    // the track of the vehicle, which may differ from that of the nominal state
     const double distance = model.disturbance.pace(Frame::velocity(nav) - error.segment<3>(Layout::velocity)) * dt;
     advance_disturbance(model.disturbance, model.layout, distance, parameters);
     gathered.distance += distance;
@@ -207,7 +207,7 @@ bool InertialFilter<Frame>::propagate_covariance(const InertialModel& model, est
     if (L.gravity_constant >= 0)
         add_disturbance_noise(model.disturbance, L, T, gathered.distance,
                               model.disturbance.from_local_level(Frame::C_en(model.earth, nav)), disturbance_axes(model), P);
-    // the disturbance's nominal values have gone on with the nominal state
+    // the nominal values of the disturbance were propagated with the nominal state
     parameters.tail(n - 9).array() *= cached_diagonal.tail(n - 9).array();
     if (model.loop != Loop::Closed) error = phi.times(error);
     mean_force = gathered.force / T;

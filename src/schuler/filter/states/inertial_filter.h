@@ -1,5 +1,5 @@
 // Error-state inertial filter: nominal state, covariance, propagation with every IMU increment, feedback of the estimated errors.
-// It knows no sensor but the IMU; measurements come as rows (filter/measurement). The one owner of the covariance.
+// It depends on no sensor but the IMU; measurements are supplied as rows (filter/measurement). The sole owner of the covariance.
 #pragma once
 
 #include "schuler/core/samples.h"
@@ -22,66 +22,66 @@ namespace schuler::filter {
 using estim::StateMatrix;
 using estim::StateVector;
 
-/// First-order process of one state: d' = -decay d + white; without decay a random walk.
+/// First-order process of one state: d' = -decay d + white noise; without decay a random walk.
 struct StateProcess {
     double decay = 0.0;  ///< 1/s (0: constant or random walk)
     double psd = 0.0;    ///< unit^2/s
 
-    /// Stationary process of a sigma and a correlation time (s).
+    /// Stationary process of a given sigma and correlation time (s).
     [[nodiscard]] static StateProcess markov(double sigma, double time) { return {1.0 / time, 2.0 * sigma * sigma / time}; }
 };
 
-/// What does not change in a run.
+/// Parameters that are constant in a run.
 struct InertialModel {
     earth::Earth earth;
     Layout layout;
     double gyro_psd = 0.0;   ///< rad^2/s
     double accel_psd = 0.0;  ///< m^2/s^3
-    /// One sigma of scale factors and misalignments where they are no states: noise while the vehicle manoeuvres.
+    /// One sigma of scale factors and misalignments that are not states: noise during manoeuvres.
     double gyro_gain = 0.0, accel_gain = 0.0;
-    double gyro_vibration = 0.0, accel_vibration = 0.0;     ///< ImuSettings, with the scale of the noise
+    double gyro_vibration = 0.0, accel_vibration = 0.0;     ///< ImuSettings, scaled as the noise
     double found_mounting_std = 0.0;                        ///< rad, ImuSettings
-    std::array<StateProcess, estim::max_states> process{};  ///< of the states from 9 on
+    std::array<StateProcess, estim::max_states> process{};  ///< of the states from index 9 on
     double clock_psd = 0.0, drift_psd = 0.0;                ///< m^2/s, m^2/s^3
-    sensor::GnssErrorModel gnss;                            ///< of the receiver's states, whose decay may follow the speed
-    DisturbanceModel disturbance;                           ///< of gravity, where the layout has it
+    sensor::GnssErrorModel gnss;                            ///< of the receiver states; their decay may depend on speed
+    DisturbanceModel disturbance;                           ///< gravity disturbance, if the layout includes it
     Loop loop = Loop::Closed;
     StateVector floor;  ///< least variances after an update
 
     InertialModel(const earth::Earth& earth_, const Layout& layout_, const sensor::ImuErrorModel& imu);
-    /// Sets the process of `count` states from an offset on; nothing where the offset is negative.
+    /// Sets the process of `count` states starting at an offset; no effect if the offset is negative.
     void set_process(int offset, int count, StateProcess process_);
 };
 
-/// Extra noise of a step whose measurements were bridged (IMU gap), added to the densities of the model.
+/// Additional noise of a step over bridged data (IMU gap), added to the densities of the model.
 struct BridgeNoise {
     double gyro_psd = 0.0;
     double accel_psd = 0.0;
-    bool standing = false;  ///< the body has stood still until now
+    bool standing = false;  ///< the body has been stationary until now
 };
 
-/// s, time constant of the specific force by which rows with a latency see the acceleration: what a receiver's velocity is a mean over.
+/// s, time constant of the specific force used in rows with a latency: the averaging time of a receiver's velocity.
 inline constexpr double force_memory = 0.05;
 
-/// A plain copyable struct: copying it is saving the filter.
+/// Plain and copyable: a copy is a saved filter.
 template <class Frame>
 struct InertialFilter {
     typename Frame::State nav;
-    StateVector parameters;  ///< nominal values of the states from 9 on
-    StateVector error;       ///< estimated errors of nav and parameters that are not fed back yet (zero in the closed loop)
-    StateMatrix P;           ///< of the errors, estimate minus truth, before the motion gathered since
+    StateVector parameters;  ///< nominal values of the states from index 9 on
+    StateVector error;       ///< estimated errors of nav and parameters not yet fed back (zero in the closed loop)
+    StateMatrix P;           ///< of the errors, estimate minus truth, before the motion in `gathered`
     GatheredMotion gathered;
-    int used = 0;  ///< leading states in use, a multiple of four; the others are not correlated with them
+    int used = 0;  ///< leading states in use, a multiple of four; the others are uncorrelated with them
 
     Eigen::Matrix3d C = Eigen::Matrix3d::Identity();                                   ///< body to frame, of nav
     ImuIncrement previous{{}, 0.0, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};  ///< corrected for the sensor errors
     Eigen::Vector3d w_ib_b = Eigen::Vector3d::Zero();                                  ///< corrected rate of the last step, rad/s
-    Eigen::Vector3d mean_force = Eigen::Vector3d::Zero();  ///< specific force over the last span, frame axes, m/s^2
+    Eigen::Vector3d mean_force = Eigen::Vector3d::Zero();  ///< specific force over the last interval, frame axes, m/s^2
     Eigen::Vector3d recent_force =
-        Eigen::Vector3d::Zero();  ///< likewise, an exponential mean over force_memory, whatever the spans
+        Eigen::Vector3d::Zero();  ///< the same as an exponential mean over force_memory, independent of the intervals
     double cached_time = -1.0;    ///< of decay and noise below, s
     StateVector cached_diagonal, cached_q;
-    std::array<StateProcess, Layout::slots> slot_process{};  ///< of the source block, whose states change their sources
+    std::array<StateProcess, Layout::slots> slot_process{};  ///< of the source block, whose states are reassigned
 
     /// Zero covariance and nominal values for the states of the model.
     explicit InertialFilter(const InertialModel& model);
@@ -90,33 +90,33 @@ struct InertialFilter {
     [[nodiscard]] Time time() const { return nav.time; }
     void set_nav(const typename Frame::State& state);
 
-    /// The increment less the estimated sensor errors.
+    /// The increment corrected for the estimated sensor errors.
     [[nodiscard]] ImuIncrement corrected(const InertialModel& model, const ImuIncrement& raw) const;
 
-    /// Advances the nominal state by one raw increment; the covariance keeps its time.
+    /// Advances the nominal state by one raw increment; the covariance remains at its own time.
     void propagate(const InertialModel& model, const ImuIncrement& raw, const BridgeNoise& bridge);
 
-    /// Covariance, errors that are not fed back and parameters to the time of the nominal state; `phi` is the transition. False where
-    /// they are there already.
+    /// Propagates covariance, errors not fed back and parameters to the time of the nominal state; `phi` is the transition. False
+    /// if they are already there.
     bool propagate_covariance(const InertialModel& model, estim::Transition& phi);
 
-    /// Covariance of position, velocity and attitude at the time of the nominal state, local level. Where motion has been gathered since
-    /// the covariance was propagated, that block alone is: for outputs.
+    /// Covariance of position, velocity and attitude at the time of the nominal state, local level. If motion has been gathered
+    /// since the last propagation, only that block is propagated: for outputs.
     [[nodiscard]] Matrix9 local_covariance(const InertialModel& model) const;
 
-    // What follows needs the covariance at the time of the nominal state.
+    // The following functions require the covariance at the time of the nominal state.
 
-    /// Rows of a measurement in local-level errors as rows in the filter's own errors.
+    /// Converts rows of a measurement from local-level errors to the filter's own errors.
     [[nodiscard]] Measurement to_own(const InertialModel& model, const Measurement& local) const;
 
     /// Innovation covariance (dof x dof used, the rest identity) of a measurement in the filter's own errors.
     [[nodiscard]] Eigen::Matrix3d innovation_covariance(const Measurement& m) const;
 
-    /// One sigma of the innovations of a position (own errors; components in the order north, east, down), were its slow errors none of
-    /// the states: of the states without them, of `undecided` between hypotheses, and of the whole error of the fix.
+    /// One sigma of the innovations of a position (own errors; components in the order north, east, down), as if its slow errors
+    /// were not states: from the states without them, the `undecided` hypotheses, and the total error of the fix.
     [[nodiscard]] Eigen::Vector3d sigma_apart(const InertialModel& model, const Measurement& m, const Matrix9& undecided) const;
 
-    /// Sequential update and closed-loop correction. `record(RowUpdate)` is called for each scalar. Returns the error that was found.
+    /// Sequential update and closed-loop correction. `record(RowUpdate)` is called for each scalar. Returns the estimated error.
     template <class Record>
     StateVector update(const InertialModel& model, const Measurement& m, Record&& record) {
         StateVector dx = StateVector::Zero(P.rows());
@@ -127,7 +127,7 @@ struct InertialFilter {
         return dx;
     }
 
-    /// Correction with given gain columns; the covariance is that of the errors whatever the gains are.
+    /// Correction with given gain columns; the covariance update is valid for any gain.
     template <class Gains>
     void correct(const InertialModel& model, const Measurement& m, const Gains& gains) {
         StateVector dx = StateVector::Zero(P.rows());
@@ -139,14 +139,14 @@ struct InertialFilter {
 
     /// Corrects the estimate by dx: the nominal state in the closed loop, `error` otherwise.
     void apply(const InertialModel& model, const StateVector& dx);
-    /// nominal <- corrected(nominal, error): the correction of the open or mixed loop. The estimate stays as it is. What is left of an
-    /// attitude error is counted from the new nominal attitude: e + a x e/2 for a correction by a. A tilt of 1e-4 rad turns an azimuth
-    /// error of 1e-3 into 1e-7 rad of tilt, which shows by then; after a single measurement it is nothing. Returns that turn.
+    /// nominal <- corrected(nominal, error): the correction of the open or mixed loop. The estimate is unchanged. The remaining
+    /// attitude error refers to the new nominal attitude: e + a x e/2 for a correction by a. A tilt of 1e-4 rad converts an
+    /// azimuth error of 1e-3 into 1e-7 rad of tilt: significant then, but not after a single measurement. Returns that rotation.
     estim::Transition feed_back(const InertialModel& model);
-    /// Gives a state another meaning: its value 0, variance as given, no correlation.
+    /// Reassigns a state: value 0, the given variance, no correlation.
     void renew(int state, double variance);
-    /// Makes three states the combinations that the rows are of the others, from now on and with all that is known of these [RoumeliotisBurdick2002];
-    /// `value`: their nominal values.
+    /// Replaces three states by the combinations `rows` of the others, with all present knowledge of these
+    /// [RoumeliotisBurdick2002]; `value`: their nominal values.
     void clone(int first, const std::array<estim::Row, 3>& rows, const Eigen::Vector3d& value);
     /// The process of a slot of the source block.
     void set_slot_process(std::size_t slot, StateProcess process_);
@@ -163,21 +163,21 @@ struct InertialFilter {
     [[nodiscard]] Matrix9 to_local_level(const InertialModel& model) const;
 
 private:
-    /// Rows and disturbance of gravity of the transition over the motion gathered; phi's D and shears are those of the other states.
+    /// Rows and gravity disturbance of the transition over the gathered motion; D and shears of phi are those of the other states.
     void fill_transition(const InertialModel& model, estim::Transition& phi) const;
-    /// Nominal disturbance of gravity and `gathered.distance` after dt at the velocity of now.
+    /// Nominal gravity disturbance and `gathered.distance` after dt at the current velocity.
     void follow_disturbance(const InertialModel& model, double dt);
-    /// The disturbance as the accelerometers would feel it, over dt: m/s, body axes.
+    /// The disturbance as sensed by the accelerometers over dt: m/s, body axes.
     [[nodiscard]] Eigen::Vector3d felt_disturbance(const InertialModel& model, double dt) const;
-    /// Velocity increment by which errors of a body at rest grow: what is horizontal of the measured one is noise, and a transition made of it
-    /// would tell the heading from noise (as many radians as the noise is of itself, at each measurement).
+    /// Velocity increment that drives the error growth of a stationary body: the horizontal part of the measured one is noise, and a
+    /// transition formed with it would derive heading information from noise (as many radians as the relative noise, at each measurement).
     [[nodiscard]] Eigen::Vector3d vertical_part(const InertialModel& model, const Eigen::Vector3d& df, double dt) const;
-    /// The axes of the disturbance's model to those of the frame.
+    /// Rotation from the axes of the disturbance model to those of the frame.
     [[nodiscard]] Eigen::Matrix3d disturbance_axes(const InertialModel& model) const;
 };
 
-/// Covariance of position, velocity and attitude as it is reported, local level: the filter's, what is `undecided` between hypotheses, and
-/// by what a mounting that was found turns the vehicle about its right and down axes.
+/// Reported covariance of position, velocity and attitude, local level: the filter's, the `undecided` hypotheses, and the
+/// uncertainty of an estimated mounting about the vehicle's right and down axes.
 template <class Frame>
 [[nodiscard]] Matrix9 reported_covariance(const InertialModel& model, const InertialFilter<Frame>& f, const Matrix9& undecided) {
     Matrix9 P = f.local_covariance(model) + undecided;

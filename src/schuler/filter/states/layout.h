@@ -1,4 +1,4 @@
-// The states of a filter: named blocks, chosen for a run, one meaning per index.
+// The states of a filter: named blocks selected for a run, one meaning per index.
 #pragma once
 
 #include "schuler/estim/state.h"
@@ -10,14 +10,14 @@
 
 namespace schuler::filter {
 
-/// A run of states with one name. Errors of the first three blocks are in the axes of the mechanization's frame.
+/// A contiguous group of states with one name. Errors of the first three blocks are in the axes of the mechanization's frame.
 struct LayoutBlock {
     std::string_view name;  ///< static text
     std::string_view unit;
     int offset = 0, size = 0;
 };
 
-/// Offsets of the error-state blocks. The first five are always there; an absent optional block has offset -1.
+/// Offsets of the error-state blocks. The first five are always present; an absent optional block has offset -1.
 class Layout {
 public:
     static constexpr int position = 0;     ///< 3, m
@@ -28,11 +28,11 @@ public:
 
     int gyro_scale = -1;             ///< 3
     int accel_scale = -1;            ///< 3
-    int gyro_misalignment = -1;      ///< 6, rad: what x measures of y and z, y of x and z, z of x and y
+    int gyro_misalignment = -1;      ///< 6, rad: sensitivity of x to y and z, y to x and z, z to x and y
     int accel_misalignment = -1;     ///< 6, rad, in the same order
-    int gravity_constant = -1;       ///< 3, m/s^2, disturbance of gravity in the axes of its model: systematic part
+    int gravity_constant = -1;       ///< 3, m/s^2, gravity disturbance in the axes of its model: systematic part
     int gravity_random = -1;         ///< 3, m/s^2, random part
-    int gravity_slope = -1;          ///< 3, by metres (or seconds) of the way: of the random part, or of a polynomial
+    int gravity_slope = -1;          ///< 3, per metre (or second) along the track: of the random part, or of a polynomial
     int gravity_curvature = -1;      ///< 3, second derivative of the same
     int mounting = -1;               ///< 2: pitch and yaw of the vehicle's forward axis in body axes, rad
     int axle = -1;                   ///< 1, m, distance of the IMU ahead of the unsteered axle
@@ -41,39 +41,39 @@ public:
     int mag_bias = -1;               ///< 1, rad, heading offset of the magnetometer
     int gnss_position = -1;          ///< 3, m, correlated GNSS position error, north-east-down
     int gnss_velocity = -1;          ///< 3, m/s, correlated GNSS velocity error, north-east-down
-    int gnss_latency = -1;           ///< 1, s, what the fixes' positions are later than assumed
-    int gnss_velocity_latency = -1;  ///< 1, s, the same of their velocities, where it is apart
+    int gnss_latency = -1;           ///< 1, s, delay of the fixes' positions beyond the assumed latency
+    int gnss_velocity_latency = -1;  ///< 1, s, the same for their velocities, if separate
     int odometer_scale = -1;         ///< 1, scale-factor error of the odometer
-    int heading_offset = -1;         ///< 1, rad, offset of the heading sensor against the body's forward axis
+    int heading_offset = -1;         ///< 1, rad, offset of the heading sensor relative to the body's forward axis
     int gauge_level = -1;            ///< `gauges`, m, constant error of the height of each
     int gauges = 0;
-    int log_scale = -1;         ///< 1, scale-factor error of the log of velocity in body axes
-    int log_misalignment = -1;  ///< 2, rad, of the same about the right and down axes
+    int log_scale = -1;         ///< 1, scale-factor error of the velocity log in body axes
+    int log_misalignment = -1;  ///< 2, rad, misalignment of the velocity log about the right and down axes
     int clock = -1;             ///< 1, m, c times the receiver's clock error; every clock and offset column of a range is +1
-    int drift = -1;             ///< 1, m/s, its rate; follows the clock
-    int rate_noise = -1;        ///< 1, m/s, white error of the clock's rate over an epoch's range rates; new at each epoch
-    int antenna = -1;           ///< 3, m, Earth-fixed: place of the antenna at the last epoch of carrier phases, a clone
-    int phase = -1;             ///< two a followed carrier, m: errors of its phase at the end of the last rate, and of this one's
-    int phases = 0;             ///< carriers
+    int drift = -1;             ///< 1, m/s, its rate, which drives the clock
+    int rate_noise = -1;        ///< 1, m/s, white error of the clock's rate over an epoch's range rates; reset at each epoch
+    int antenna = -1;           ///< 3, m, Earth-fixed: antenna position at the last epoch of carrier phases, a clone
+    int phase = -1;             ///< two per tracked carrier, m: phase errors at the end and at the start of the last rate
+    int phases = 0;             ///< number of carriers
     int network = -1;           ///< 1, m, ground stations' common offset
-    int intersystem = -1;       ///< 3, m, GLONASS, Galileo, BeiDou against GPS's clock
+    int intersystem = -1;       ///< 3, m, GLONASS, Galileo, BeiDou relative to the GPS clock
     int source = -1;            ///< slots: slow error of a source of ranges, m; the last block
-    int size = 0;               ///< of all blocks
+    int size = 0;               ///< total of all blocks
 
     static constexpr int slots = 30;  ///< of the source block
 
     /// Position, velocity, attitude and the sensors' biases.
     Layout();
 
-    /// Appends a block of states and returns its offset. Name and unit are static texts. Where there is no room for it, `fits` is false
-    /// from then on and the offset means nothing.
+    /// Appends a block of states and returns its offset. Name and unit are static texts. If there is no room, `fits` is false
+    /// from then on and the offset is invalid.
     int add(std::string_view name, std::string_view unit, int states);
     [[nodiscard]] bool fits() const { return fits_; }
 
     [[nodiscard]] std::span<const LayoutBlock> blocks() const { return {blocks_.data(), count_}; }
-    /// Leading states that act on position, velocity and attitude during a step: these three, the inertial sensors' errors, gravity.
+    /// Leading states that act on position, velocity and attitude during a step: these three, the inertial sensor errors, gravity.
     [[nodiscard]] int driven() const;
-    /// States in use when no slot of the source block is.
+    /// Number of states in use without any slot of the source block.
     [[nodiscard]] int without_slots() const { return source < 0 ? size : source; }
 
 private:

@@ -86,7 +86,7 @@ Layout layout_with(const Settings& settings, const Sensors& sensors) {
 
 namespace {
 
-/// What drives the errors while the filter runs.
+/// Noise that drives the errors while the filter runs.
 sensor::ImuErrorModel driving(const ImuSettings& imu) {
     sensor::ImuErrorModel errors = imu.errors;
     const double gyro = imu.gyro_noise_scale.value_or(1.0), accel = imu.accel_noise_scale.value_or(1.0);
@@ -128,7 +128,7 @@ InertialModel make_model(const Settings& settings, const Layout& layout) {
                       baro.bias_time > 0.0 ? StateProcess::markov(baro.bias_std, baro.bias_time)
                                            : StateProcess{0.0, baro.bias_walk * baro.bias_walk});
     model.set_process(layout.mag_bias, 1, {0.0, settings.mag.bias_walk * settings.mag.bias_walk});
-    // Loggers and receivers do not keep it to the millisecond: what was learnt is forgotten, by some hundredths of a second in a minute.
+    // Loggers and receivers do not keep it to the millisecond: the estimate is forgotten, by some hundredths of a second per minute.
     const auto latency = [](double sigma) {
         constexpr double wander = 0.02, time = 60.0;  // s
         return StateProcess::markov(sigma, time * std::max(1.0, std::pow(sigma / wander, 2)));
@@ -150,7 +150,7 @@ InertialModel make_model(const Settings& settings, const Layout& layout) {
         model.clock_psd = e.clock.phase_psd();
         model.drift_psd = e.clock.frequency_psd();
         model.set_process(layout.network, 1, StateProcess::markov(e.network, e.network_time));
-        // What has no states of its own: fixes are too noisy to tell, ranges at ten hertz are not.
+        // Effects without states: fixes are too noisy to reveal them, ranges at ten hertz are not.
         const sensor::ImuErrorModel& imu = settings.imu.errors;
         model.gyro_gain =
             std::hypot(layout.gyro_scale < 0 ? imu.gyro_scale : 0.0, layout.gyro_misalignment < 0 ? imu.gyro_misalignment : 0.0);
@@ -179,7 +179,7 @@ void start_ranging(InertialFilter<Frame>& filter, const Layout& L, const sensor:
 
 namespace {
 
-/// Puts the start covariance of a run into its filter, block by block.
+/// Sets the initial covariance of a run in its filter, block by block.
 template <class Frame>
 class StartCovariance {
 public:
@@ -191,16 +191,16 @@ public:
         P_n_.block<3, 3>(Layout::attitude, Layout::attitude) = J * start.std_rpy.cwiseAbs2().asDiagonal() * J.transpose();
         if constexpr (!Frame::errors_are_geographic) {
             Eigen::Matrix<double, 9, 9> to_local_level = f_.to_local_level(model);
-            // Near a pole a heading is told of the meridian of the stated position, not of the one below the true position.
+            // Near a pole a heading refers to the meridian of the stated position, not to that of the true position.
             if (std::cos(start.nav.position.lat) < 0.01) to_local_level.template block<6, 3>(3, 0).setZero();
             T_ = to_local_level.inverse();
         }
         f_.P.template topLeftCorner<9, 9>() = T_ * P_n_ * T_.transpose();
     }
 
-    /// The fixes' latencies are off by something of a covariance (s^2), and so is what the start has of them, by its `rates` (local level,
-    /// a column a latency): z = x - rate * latency. own: the states of these latencies' errors, -1 where there are none. What else the
-    /// start is tied to has no part in this.
+    /// The latency errors of the fixes have a covariance (s^2), and cause errors of the start in proportion to its `rates` (local
+    /// level, one column per latency): z = x - rate * latency. own: the states of these latency errors, -1 if there are none.
+    /// Other correlations of the start are unaffected.
     void latencies(const std::array<int, 2>& own, const Eigen::Matrix2d& covariance, const Eigen::Matrix<double, 9, 2>& rates) {
         const Eigen::Matrix<double, 9, 2> errors = T_ * rates, shared = errors * covariance;
         f_.P.template topLeftCorner<9, 9>().noalias() += shared * errors.transpose();
@@ -228,26 +228,26 @@ public:
     void set(int offset, int count, double sigma) {
         if (offset >= 0) f_.P.diagonal().segment(offset, count).setConstant(sigma * sigma);
     }
-    /// A state of its own whose error has the covariance `shared` with the component `state` of the local level.
+    /// A state whose error has the covariance `shared` with the component `state` of the local level.
     void tie(int own, int state, double shared) {
         f_.P.template block<9, 1>(0, own) = shared * T_.col(state);
         f_.P.template block<1, 9>(own, 0) = shared * T_.col(state).transpose();
     }
-    /// A receiver's slow error: where the start is a fix it has that error in it, of which the state, zero, knows nothing yet: their
+    /// A receiver's slow error: a start from a fix contains that error, which the state, initially zero, does not include: their
     /// errors are opposite.
     void slow_error(int offset, int state, const Vector3d& sigma, const Vector3d& of_fix) {
         set<3>(offset, sigma);
         for (int i = 0; offset >= 0 && i < 3; ++i)
             if (of_fix(i) > 0.0) tie(offset + i, state + i, -std::min(sigma(i) * sigma(i), variance(state + i)));
     }
-    /// Constant error of an instrument that shows the heading; a start by it has the error with the other sign, and an attitude error
-    /// about the vertical is the opposite of a heading error.
+    /// Constant error of an instrument that measures heading; a start from it contains the error with the opposite sign, and an
+    /// attitude error about the vertical is the opposite of a heading error.
     void shown_heading(int own, double sigma, bool started_by_it) {
         constexpr int state = Layout::attitude + 2;
         set(own, 1, sigma);
         if (own >= 0 && started_by_it) tie(own, state, std::min(sigma * sigma, variance(state)));
     }
-    /// A first barometric height that contradicts the stated bias speaks instead of it; its bias errs with the height it was taken from.
+    /// A first barometric height that contradicts the stated bias takes precedence; its bias error is correlated with the height used.
     void baro(double first_height, const BaroSettings& settings, const NavState& nav) {
         if (L_.baro_bias < 0) return;
         const double height_variance = variance(Layout::position + 2), prior = settings.bias_std;
@@ -265,7 +265,7 @@ private:
     Matrix9 P_n_ = Matrix9::Zero(), T_ = Matrix9::Identity();  // T: local level to the filter's own errors
 };
 
-/// Specific force at the start, in the filter's axes: of an acceleration that fixes show, else of none.
+/// Specific force at the start, in the filter's axes: for the acceleration shown by fixes, or else none.
 template <class Frame>
 Vector3d start_force(const InertialModel& model, const Start& start) {
     const Geodetic& at = start.nav.position;
@@ -273,11 +273,11 @@ Vector3d start_force(const InertialModel& model, const Start& start) {
     return Frame::errors_are_geographic ? force_n : Vector3d(earth::C_en(at.lat, at.lon) * force_n);
 }
 
-/// A start by fixes is as late as they are: what position and velocity are off by is known where the latency is. (An attitude error about
-/// the vertical is the opposite of a heading error.)
+/// A start from fixes has their latency: the corresponding errors of position and velocity are known once the latency is. (An
+/// attitude error about the vertical is the opposite of a heading error.)
 template <class Frame>
 void start_latencies(StartCovariance<Frame>& P, const GnssSettings& gnss, const Layout& L, const Start& start) {
-    // Receivers mostly give both of one instant; that they differ little the fixes tell, which says nothing about what both are late by.
+    // Receivers usually give both for one instant; the fixes show that they differ little, but not their common latency.
     constexpr double alike = 0.9;
     Eigen::Matrix<double, 9, 2> rates = Eigen::Matrix<double, 9, 2>::Zero();
     rates.col(0).segment<3>(Layout::position) = start.position_rate;
@@ -298,7 +298,7 @@ void set_out(FilterRun<Frame>& run, const InertialModel& model, const Settings& 
              double baro_height) {
     const Layout& L = model.layout;
     std::vector<Shadow<Frame>> shadows = std::move(run.shadows);
-    FaultWatch watch = std::move(run.ranges.watch);  // for its rooms
+    FaultWatch watch = std::move(run.ranges.watch);  // reuses its memory
     std::vector<Opening> openings = std::move(run.openings);
     AtMostOne<Rival<Frame>> rival = std::move(run.rival);
     shadows.clear();
@@ -328,7 +328,7 @@ void set_out(FilterRun<Frame>& run, const InertialModel& model, const Settings& 
     P.set(L.accel_scale, 3, imu.accel_scale);
     P.set(L.gyro_misalignment, 6, imu.gyro_misalignment);
     P.set(L.accel_misalignment, 6, imu.accel_misalignment);
-    if (settings.aids.nonholonomic) {  // otherwise known only once wheels are recognised
+    if (settings.aids.nonholonomic) {  // otherwise only once wheels are recognised
         P.set(L.mounting, 2, start.std_mounting);
         P.set(L.axle, 1, 1.5);
     }
@@ -349,14 +349,14 @@ void set_out(FilterRun<Frame>& run, const InertialModel& model, const Settings& 
     P.slow_error(L.gnss_velocity, Layout::velocity, settings.gnss.errors.correlated_velocity, start.velocity_of_fix);
     if (L.clock >= 0) {
         start_ranging(f, L, settings.ranging.errors);
-        // A fix has the errors of the ranges in it, which are going to be used themselves: it only says about where to linearise.
+        // A fix contains the errors of the ranges, which will be used themselves: it only provides the point of linearisation.
         constexpr double roomy = 10.0;  // sigmas
         for (int i = 0; i < 3; ++i)
             if (start.position_of_fix(i) > 0.0) P.loosen(Layout::position + i, roomy * start.std_position(i));
     }
     run.ranges.watch.on = L.clock >= 0 && settings.ranging.protection.use;
 
-    // A disturbance of gravity that nobody corrects for acts like an accelerometer's error.
+    // An uncorrected gravity disturbance acts like an accelerometer error.
     const double gravity = settings.disturbance.estimate ? settings.disturbance.prior_n.head<2>().maxCoeff() : 0.0;
     const InertialErrorBounds bounds = three_sigma(start.std_rpy.head<2>().maxCoeff(), start.std_gyro_bias.maxCoeff(),
                                                    std::hypot(start.std_accel_bias.maxCoeff(), gravity));

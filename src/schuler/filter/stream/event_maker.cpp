@@ -7,7 +7,7 @@ namespace schuler::filter {
 namespace {
 
 constexpr Duration baro_spacing{500'000'000}, mag_spacing{500'000'000};
-constexpr Duration odometer_spacing{100'000'000};  // wheels are read faster than their errors change
+constexpr Duration odometer_spacing{100'000'000};  // odometers are sampled faster than their errors change
 
 }  // namespace
 
@@ -34,7 +34,7 @@ Duration EventMaker::oldest_age(const GnssFix& fix) const {
     return settings_.gnss.use_velocity ? std::max({position, a.velocity, a.down}) : position;
 }
 
-/// Marks an epoch of the reference channel by the outages: withheld inside, and the first one after each.
+/// Marks an epoch of the reference channel with its outages: withheld inside, and the first one after each.
 void EventMaker::mark_outages(Event& e) const {
     const double t = (e.stamp - origin_).seconds();
     for (std::size_t k = 0; k < ended_.size(); ++k) {

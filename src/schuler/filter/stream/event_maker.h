@@ -1,5 +1,5 @@
-// From samples to measurements with the time of their validity, one at a time and in order of their stamps: what the timeline of a log
-// and a stream have in common.
+// From samples to measurements with their times of validity, one at a time in order of their stamps: shared by the timeline of a
+// log and a stream.
 #pragma once
 
 #include "schuler/core/samples.h"
@@ -15,22 +15,22 @@
 
 namespace schuler::filter {
 
-/// Makes the events of the receiver and of every other instrument. The settings are kept by reference.
+/// Creates the events of the receiver and of all other instruments. The settings are held by reference.
 class EventMaker {
 public:
-    /// origin: zero of the outages' times.
+    /// origin: zero of the outage times.
     EventMaker(const Settings& settings, Time origin)
         : settings_(settings), origin_(origin), ended_(settings.outages.size(), false) {}
 
-    /// The events of a fix, none where there is no fix or it repeats the one before: `push(Event)` gets each, `index` is that of the fix.
-    /// Components with latencies of their own are events of their own.
+    /// The events of a fix, none if there is no fix or it repeats the previous one: `push(Event)` receives each, `index` is that
+    /// of the fix. Components with their own latency are separate events.
     template <class Push>
     void gnss(const GnssFix& fix, std::size_t index, Push&& push);
-    /// The oldest that a part of a fix is at its stamp.
+    /// The largest age of a part of a fix at its stamp.
     [[nodiscard]] Duration oldest_age(const GnssFix& fix) const;
 
-    // Loggers repeat the last value between conversions, and the errors of fast samples are not independent: one event for each new
-    // value, and at most one in some time. Whether this sample is to be one:
+    // Loggers repeat the last value between conversions, and the errors of fast samples are not independent: one event for each
+    // new value, and at most one per interval. True if this sample is to become an event:
     [[nodiscard]] bool is_due(const BaroSample& s);
     [[nodiscard]] bool is_due(const MagSample& s);
     [[nodiscard]] bool is_due(const OdometerSample& s);
@@ -38,7 +38,7 @@ public:
     [[nodiscard]] bool is_due(const GaugeSample& s) const { return settings_.gauges.use && s.height.array().isFinite().any(); }
     [[nodiscard]] bool is_due(const BodyVelocitySample& s) const { return settings_.log.use && s.velocity_b.allFinite(); }
 
-    /// What it remembers of the samples so far.
+    /// State kept from the previous samples.
     struct Memory {
         bool any_fix = false;
         Time fix{INT64_MIN};

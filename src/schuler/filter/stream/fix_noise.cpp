@@ -5,8 +5,8 @@
 
 namespace schuler::filter {
 
-// What is left is kept above a tenth of the whole, for it may be a small difference of rounded numbers; a sigma below the slow part's cannot
-// have meant that too.
+// The remainder is limited to a tenth of the total, because it may be a small difference of rounded numbers; a sigma below that
+// of the slow part cannot have included it.
 double white_part(double stated, double slow) {
     return stated > slow ? std::max(std::sqrt(stated * stated - slow * slow), 0.1 * stated) : stated;
 }
@@ -22,7 +22,7 @@ FixNoise noise_of(const GnssFix& fix, const GnssSettings& settings) {
                                  settings.std_floor_position(i));
         n.velocity(i) = std::max(velocity ? settings.velocity_std_scale * fix.std_velocity(i) : settings.default_std_velocity(i),
                                  floor_velocity);
-        // defaults, tuned or given, are of the white part
+        // defaults, tuned or given, are for the white part
         n.white_position(i) = position ? white_part(n.position(i), settings.errors.correlated_position(i)) : n.position(i);
         n.white_velocity(i) = velocity ? white_part(n.velocity(i), settings.errors.correlated_velocity(i)) : n.velocity(i);
     }

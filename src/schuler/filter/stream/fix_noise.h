@@ -1,4 +1,4 @@
-// Standard deviations that a fix is used with.
+// Standard deviations used for a fix.
 #pragma once
 
 #include "schuler/core/samples.h"
@@ -7,13 +7,13 @@
 
 namespace schuler::filter {
 
-/// Whether a stated sigma can be meant: finite and positive.
+/// True if a stated sigma is valid: finite and positive.
 [[nodiscard]] bool is_stated(double sigma);
 
-/// White part of the sigma that a log states of the whole error, whose slow part is a state (both in one unit).
+/// White part of the total sigma stated in a log, if the slow part is a state (both in one unit).
 [[nodiscard]] double white_part(double stated, double slow);
 
-/// Noise of one fix: the log's sigma (scaled, raised to the floor), or the default where the log has none.
+/// Noise of one fix: the log's sigma (scaled, raised to the floor), or the default if the log has none.
 [[nodiscard]] FixNoise noise_of(const GnssFix& fix, const GnssSettings& settings);
 
 }  // namespace schuler::filter

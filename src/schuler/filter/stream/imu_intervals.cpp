@@ -20,7 +20,7 @@ std::optional<ImuIncrement> IntervalMaker::add(const ImuSample& s, std::optional
     const Duration nominal = nominal_duration_, half{nominal.ns / 2};
     Time end = s.time;
     if (stamp_ == ImuStamp::Center) {
-        // Up to half way to the next sample, as long as the next one is near.
+        // Up to the middle of the interval to the next sample, if that is near.
         Duration d = half;
         if (next && *next > s.time) d = std::min(Duration{(*next - s.time).ns / 2}, Duration{3 * half.ns / 2});
         end = s.time + d;
@@ -34,7 +34,7 @@ std::optional<ImuIncrement> IntervalMaker::add(const ImuSample& s, std::optional
     if (dt <= 0.0) return std::nullopt;
     double factor = dt;
     if (kind_ == ImuKind::Increments) {
-        // An increment belongs to its own nominal interval: a longer step before it is a hole, not a slower motion.
+        // An increment belongs to its own nominal interval: a longer interval before it is a gap, not slower motion.
         factor = dt <= hole_factor * nominal_ ? 1.0 : dt / nominal_;
     }
     memory.begun = true;
@@ -116,7 +116,7 @@ bool HangWatch::hangs(const ImuSample& s) {
     m.accel = s.accel;
     ++m.samples;
     if (!gyro && !accel) ++m.fresh;
-    // where short runs are common or nothing has varied yet, a long one tells nothing: coarse, repeated by the logger, free of noise
+    // if short runs are common or nothing has varied yet, a long one is not significant: coarse, repeated by the logger, noise-free
     return std::max(m.gyro_run, m.accel_run) >= least_ && m.fresh >= 10 * least_ && 20 * m.repeats <= m.samples;
 }
 

@@ -1,4 +1,4 @@
-// From samples of an inertial unit to body increments, one sample at a time: what a log's timeline and a stream have in common.
+// From IMU samples to body increments, one sample at a time: shared by a log's timeline and a stream.
 #pragma once
 
 #include "schuler/core/samples.h"
@@ -15,21 +15,21 @@
 
 namespace schuler::filter {
 
-/// A step of increments longer than this times the nominal one is a hole; coarse time stamps stay below it (2 and 3 ms for 2.5).
+/// An increment longer than this multiple of the nominal one is a gap; coarse time stamps stay below it (2 and 3 ms for 2.5).
 inline constexpr double hole_factor = 1.75;
 
-/// The interval that each sample stands for, by its kind and stamp, as if what was measured had lasted all of it. Axes and mounting
-/// applied. Plain and copyable.
+/// The interval represented by each sample, by its kind and stamp, with the measured value held constant over it. Axes and
+/// mounting are applied. Plain and copyable.
 class IntervalMaker {
 public:
-    /// nominal: median step of the log, s.
+    /// nominal: median interval of the log, s.
     IntervalMaker(const ImuSettings& settings, double nominal);
 
-    /// The interval of the next sample in order of time; nothing where it repeats a time or goes backwards. `next`: time of the sample
-    /// behind it, which stamps at the start or centre of an interval end by; where there is none the interval is nominal.
+    /// The interval of the next sample in time order; empty if it repeats a time or goes backwards. `next`: time of the following
+    /// sample, at which an interval stamped at its start or centre ends; if there is none the nominal interval is used.
     [[nodiscard]] std::optional<ImuIncrement> add(const ImuSample& sample, std::optional<Time> next);
 
-    /// What it remembers.
+    /// State kept from the previous samples.
     struct Memory {
         bool begun = false;
         Time sample{INT64_MIN}, end{};  ///< of the last one
@@ -44,14 +44,14 @@ private:
     Duration nominal_duration_;
 };
 
-/// Whether an interval is so long that samples before it are missing.
+/// True if an interval is so long that preceding samples are missing.
 [[nodiscard]] bool is_hole(double dt, double nominal, const ImuSettings& settings);
 
-/// Interpolated pieces that a hole is filled with at most.
+/// Largest number of interpolated pieces that fill a gap.
 inline constexpr std::int64_t most_pieces = 400;
 
-/// Fills the time of an interval after a hole: interpolated increments, then what the sample itself measured, the last nominal interval.
-/// `take(ImuIncrement, bool interpolated)` gets them in order.
+/// Fills an interval that follows a gap: interpolated increments, then the measurement of the sample itself, over the last
+/// nominal interval. `take(ImuIncrement, bool interpolated)` receives them in order.
 template <class Take>
 void fill_hole(const ImuIncrement& before, const ImuIncrement& interval, double nominal, Take&& take) {
     const Eigen::Vector3d rate0 = before.dtheta / before.dt, rate1 = interval.dtheta / interval.dt;
@@ -72,43 +72,43 @@ void fill_hole(const ImuIncrement& before, const ImuIncrement& interval, double 
     take(ImuIncrement{interval.time, own, rate1 * own, force1 * own}, false);
 }
 
-/// Mean squares of what rate and specific force vary by, one axis: rad^2/s^2, m^2/s^4.
+/// Mean squares of the variation of rate and specific force, one axis: rad^2/s^2, m^2/s^4.
 struct Agitation {
     double rate2 = 0.0, force2 = 0.0;
 };
 
-/// Noise over a hole of so many seconds, whose unknown part is taken as correlated over half of it: variance of its integral =
-/// s^2 hole^2 / 2. In steady motion interpolation is off by up to twice what varies `around` it; where it is worse `elsewhere`, a
-/// turn may begin in it.
+/// Noise over a gap of this many seconds, whose unknown motion is assumed correlated over half of it: variance of its integral =
+/// s^2 gap^2 / 2. In steady motion the interpolation error is up to twice the variation `around` it; if the variation `elsewhere`
+/// is larger, a turn may begin in the gap.
 [[nodiscard]] BridgeNoise bridge_noise(double hole, Agitation around, Agitation elsewhere);
 
-/// How lively the motion is, for holes of a stream: about the mean over the last second, and that on average. All memory is taken by
-/// the constructor.
+/// Variation of the motion, for gaps in a stream: about the mean over the last second, and its average. All memory is allocated
+/// by the constructor.
 class RecentMotion {
 public:
     explicit RecentMotion(double nominal);
     void clear();
     void add(const ImuIncrement& interval);
     [[nodiscard]] Agitation recent() const;
-    /// Mean of the seconds so far.
+    /// Mean over the elapsed time.
     [[nodiscard]] Agitation usual() const;
 
     struct Motion {
         Eigen::Vector3d rate, force;
     };
     struct Memory {
-        std::vector<Motion> last;  ///< a second of them, a ring
+        std::vector<Motion> last;  ///< one second of them, a ring buffer
         std::size_t next = 0, filled = 0;
         Eigen::Vector3d rate = Eigen::Vector3d::Zero(), force = Eigen::Vector3d::Zero();  ///< sums over this turn of the ring
-        double rate2 = 0.0, force2 = 0.0;                                                 ///< likewise of the squares
+        double rate2 = 0.0, force2 = 0.0;                                                 ///< likewise for the squares
         Agitation sum;
-        double seconds = 0.0;  ///< that `sum` is of
+        double seconds = 0.0;  ///< duration of `sum`
     };
     Memory memory;
 };
 
-/// Finds samples of a unit that hangs, as they come: rates or forces that repeat to the last digit for a tenth of a second, in a unit
-/// that hardly ever repeats them otherwise. What came before the tenth of a second was over has been used. Plain and copyable.
+/// Detects a frozen unit from its samples: rates or forces that repeat to the last digit for a tenth of a second, in a unit that
+/// hardly ever repeats them otherwise. Samples within that tenth of a second have been used. Plain and copyable.
 class HangWatch {
 public:
     explicit HangWatch(double nominal) : least_(static_cast<int>(std::max(8.0, 0.1 / nominal))) {}
@@ -117,9 +117,9 @@ public:
     struct Memory {
         bool begun = false;
         Eigen::Vector3d gyro = Eigen::Vector3d::Zero(), accel = Eigen::Vector3d::Zero();
-        int gyro_run = 0, accel_run = 0;      ///< samples in a row that repeat the one before
-        std::int64_t samples = 0, fresh = 0;  ///< all, and those of which nothing repeats
-        std::int64_t repeats = 0;             ///< in runs that were too short for a hang
+        int gyro_run = 0, accel_run = 0;      ///< consecutive samples equal to the previous one
+        std::int64_t samples = 0, fresh = 0;  ///< all, and those without any repeated value
+        std::int64_t repeats = 0;             ///< in runs too short for a freeze
     };
     Memory memory;
 

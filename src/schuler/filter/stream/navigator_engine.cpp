@@ -102,7 +102,7 @@ void NavigatorEngine::align() {
 }
 
 bool NavigatorEngine::align_as_given() {
-    constexpr Duration tolerance{100'000};  // as near as a batch takes it
+    constexpr Duration tolerance{100'000};  // same tolerance as a batch
     const RunData& data = stream.data();
     const std::vector<ImuIncrement>& increments = data.imu.increments;
     const Time from = settings.start->nav.time + tolerance;
@@ -116,7 +116,7 @@ bool NavigatorEngine::align_as_given() {
         set_out(start, baro_height_at(start.nav.time));
         return true;
     }
-    // what is before the start by more than a measurement may be is of no use
+    // data earlier than the start by more than the largest measurement age are not required
     const Time old = increments.back().time - Duration{1'000'000'000};
     const auto before = [&](const auto& list, auto time) {
         const auto at = std::ranges::find_if(list, [&](const auto& x) { return std::invoke(time, x) >= old; });
@@ -136,7 +136,7 @@ bool NavigatorEngine::align_as_given() {
 bool NavigatorEngine::align_by_samples() {
     const RunData& data = stream.data();
     const std::vector<ImuIncrement>& increments = data.imu.increments;
-    for (std::size_t i = start_up.memory.any_increment ? 1 : 0; i < increments.size(); ++i) {  // one is left of those before
+    for (std::size_t i = start_up.memory.any_increment ? 1 : 0; i < increments.size(); ++i) {  // one of the earlier ones is kept
         const bool interpolated =
             std::ranges::any_of(data.imu.bridges, [i](const Bridge& b) { return b.first <= i && i <= b.last; });
         start_up.add(increments[i], interpolated);
@@ -166,7 +166,7 @@ bool NavigatorEngine::align_by_samples() {
     (void)stream.forget({increment, event, epoch, still, bridge}, true);
     std::optional<Start> start = start_up.ready();
     if (!start) return false;
-    start->increment = increments.size();  // one is left, which is over
+    start->increment = increments.size();  // one is kept, already processed
     set_out(*start, baro_height_at(now));
     return true;
 }
@@ -198,7 +198,7 @@ public:
             if (increment.time <= ahead_.time()) return;
             estim::Transition phi;
             if (ahead_.gathered.is_full(increment.dt)) (void)ahead_.propagate_covariance(model_, phi);
-            ahead_.propagate(model_, increment, with_vibration(model_, run_.vibration, noise));  // as it shakes now
+            ahead_.propagate(model_, increment, with_vibration(model_, run_.vibration, noise));  // with the current vibration
         });
         return state_of(ahead_, run_.undecided(model_));
     }
@@ -230,7 +230,7 @@ private:
         while (end < increments.size() && increments[end].time <= until) ++end;
         if (end == run_.increment) return true;
         stream.judge_still(increments[end - 1].time);
-        if (!pass_.try_advance(run_, end - 1, *this)) return false;  // it is no longer a number
+        if (!pass_.try_advance(run_, end - 1, *this)) return false;  // the filter state is invalid
         if (run_.sides_changed != sides_changed_) {
             sides_changed_ = run_.sides_changed;
             changed_ = true;
@@ -243,7 +243,7 @@ private:
         return true;
     }
 
-    /// What both hypotheses of the run have behind them.
+    /// Discards the data already processed by both hypotheses of the run.
     void forget_consumed() {
         if (run_.event == 0 && run_.epoch == 0 && run_.still == 0 && run_.bridge == 0 && run_.openings.empty() &&
             run_.rival.empty() && run_.increment < StreamTimeline::idle_increments)
@@ -266,20 +266,20 @@ private:
             w->epoch -= p.epoch;
             w->still -= p.still;
             w->bridge -= p.bridge;
-            w->openings.clear();  // which are for the smoother
+            w->openings.clear();  // only required by the smoother
         }
     }
 
     void archive_run(Archive& a) override { a(run_, ahead_, changed_, next_all_states_, sides_changed_); }
 
-    // what happens on the run
+    // notifications of the run
     void scalar(const estim::RowUpdate&) override { changed_ = true; }
     void corrected() override { changed_ = true; }
     void ranges(const FilterRun<Frame>&, const RangeEpoch&) override { changed_ = true; }
     bool wants_all_states(Time time) const override { return time >= next_all_states_; }
     void output(const FilterRun<Frame>& run, Time time) override {
         add_row(solution_row(run.filter.geographic(model_), run.covariance(model_)));
-        while (next_all_states_ <= time) next_all_states_ = next_all_states_ + Duration{1'000'000'000};  // as a batch keeps them
+        while (next_all_states_ <= time) next_all_states_ = next_all_states_ + Duration{1'000'000'000};  // same rows as a batch
     }
     void aid(const AidRecord& r) override {
         changed_ = true;
@@ -305,8 +305,8 @@ private:
     Pass<Frame> pass_;
     Duration still_delay_;
     FilterRun<Frame> run_;
-    InertialFilter<Frame> ahead_;  // the filter carried on to the newest sample
-    bool changed_ = true;          // the run was corrected since
+    InertialFilter<Frame> ahead_;  // the filter propagated to the newest sample
+    bool changed_ = true;          // the run was corrected since then
     int sides_changed_ = 0;
     Time next_all_states_{};
 };

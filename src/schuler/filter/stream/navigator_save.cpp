@@ -1,4 +1,4 @@
-// A navigator saved and restored: header, check sum, parts. Members of NavigatorEngine.
+// Saving and restoring a navigator: header, checksum, parts. Members of NavigatorEngine.
 
 #include "schuler/filter/detail/archive.h"
 #include "schuler/filter/detail/navigator_engine.h"
@@ -22,7 +22,7 @@ struct Fnv {
     }
 };
 
-/// Before the parts of a navigator.
+/// Precedes the parts of a navigator.
 struct Header {
     static constexpr std::uint64_t its_name = 0x56414e4c55484353;  // "SCHULNAV"
     static constexpr std::uint64_t its_version = 6;
@@ -31,7 +31,7 @@ struct Header {
 
 }  // namespace
 
-/// Tells settings apart by what the filter makes of them.
+/// Distinguishes settings by their effect on the filter.
 std::uint64_t NavigatorEngine::fingerprint() const {
     Fnv f;
     const InertialModel& m = model();
@@ -103,7 +103,7 @@ void NavigatorEngine::archive_all(Archive& a) {
 }
 
 std::size_t NavigatorEngine::save(std::span<std::byte> bytes) const {
-    auto& self = const_cast<NavigatorEngine&>(*this);  // one function for both ways; writing changes nothing
+    auto& self = const_cast<NavigatorEngine&>(*this);  // one function for both directions; writing changes nothing
     Archive measure(Archive::Way::Measure, {});
     self.archive_all(measure);
     const std::size_t size = sizeof(Header) + measure.at;
@@ -136,7 +136,7 @@ RestoreStatus NavigatorEngine::restore(std::span<const std::byte> bytes) {
     Archive read(Archive::Way::Read, {const_cast<std::byte*>(payload.data()), payload.size()});
     archive_all(read);
     if (read.good && read.at == payload.size()) return RestoreStatus::Restored;
-    restart();  // bytes that agree with their sum and do not fit: of a machine of another kind
+    restart();  // valid checksum but inconsistent content: from a machine of another kind
     return RestoreStatus::Damaged;
 }
 

@@ -17,8 +17,8 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr double longest_fit = 60.0;     // s: gyros drift, and what was gathered is not linear in their errors
-constexpr double moving_patience = 3.0;  // s without standing still after which the level is taken from the moving body
+constexpr double longest_fit = 60.0;     // s: gyros drift, and the integrals are not linear in their errors
+constexpr double moving_patience = 3.0;  // s without standstill after which the level is taken from the moving body
 constexpr double gyrocompass_time = 60.0, least_gyrocompass = 20.0;  // s
 
 bool is_place(const Geodetic& p) { return std::isfinite(p.lat) && std::isfinite(p.lon) && std::isfinite(p.h); }
@@ -41,7 +41,7 @@ void StartUp::level_by(const Vector3d& force_b, double std, bool at_rest) {
     memory.std_level = std;
     memory.level = true;
     memory.level_at_rest = at_rest;
-    memory.has_heading = false;  // it was of another level frame
+    memory.has_heading = false;  // it referred to another level frame
     begin_fit();
 }
 
@@ -49,7 +49,7 @@ void StartUp::begin_fit() {
     Memory& m = memory;
     m.fit = {};
     m.fit.since = m.now;
-    // what is known of the tilt, and nothing of the rest but that its size is finite
+    // the known uncertainty of the tilt; for the rest only that it is bounded
     const double tilt = units::g0 * m.std_level;
     m.fit.N.diagonal() << 1e-12, 1e-12, 1.0 / (tilt * tilt), 1.0 / (tilt * tilt), 1e-8, 1e-8, 1e-12, 1e-12;
 }
@@ -60,7 +60,7 @@ void StartUp::add(const ImuIncrement& inc, bool interpolated) {
     m.any_increment = true;
     m.now = inc.time;
     m.last = inc;
-    if (interpolated) {  // nothing gathered so far may go on through a hole
+    if (interpolated) {  // nothing integrated so far may continue through a gap
         m.level = false;
         m.has_heading = false;
         m.still = m.recent_time = 0.0;
@@ -68,7 +68,7 @@ void StartUp::add(const ImuIncrement& inc, bool interpolated) {
         m.first = inc.time;
         return;
     }
-    const double keep = std::max(0.0, 1.0 - inc.dt);  // a mean over a second, the past fading
+    const double keep = std::max(0.0, 1.0 - inc.dt);  // exponential mean over a second
     m.recent_dv = keep * m.recent_dv + inc.dv;
     m.recent_time = keep * m.recent_time + inc.dt;
     if (m.still > 0.0 && (m.now - m.still_end).seconds() > 1.0) {
@@ -111,7 +111,7 @@ void StartUp::add_still(const StillWindow& w) {
     m.at_rest_bias = m.std_gyro_bias > w_ie;
     if (m.still >= gyrocompass_time) compass();
     if (!m.at_rest_bias) return;
-    // At rest the mean rate is the bias, but for the Earth's rate.
+    // At rest the mean rate is the bias plus the Earth rate.
     m.gyro_bias = m.rate / m.still;
     m.std_gyro_bias = w_ie + imu.gyro_noise / std::sqrt(m.still) + 0.2 * imu.gyro_bias;
 }
@@ -192,7 +192,7 @@ void StartUp::solve() {
     const Unknowns x = ldlt.solve(f.y);
     const Normal C = ldlt.solve(Normal::Identity());
     if (!x.allFinite() || !C.allFinite()) return;
-    // fixes whose errors are larger than stated, or hang together, leave larger residuals
+    // larger or correlated errors of the fixes cause larger residuals
     const double residual = std::max(0.0, f.sum2 - x.dot(f.y)) / std::max(1, f.rows - unknowns);
     const double inflated = std::max(1.0, residual);
     const double size = std::hypot(x(0), x(1));
@@ -207,7 +207,7 @@ void StartUp::solve() {
     const double g = units::g0;
     const Eigen::Vector2d tilt(x(3) / g, -x(2) / g);  // phi_N = b_E/g, phi_E = -b_N/g
     const double psi = std::atan2(x(1), x(0));
-    if (tilt.norm() > 3.0 * units::deg && !m.level_at_rest) {  // level anew, within what is linear, and gather again
+    if (tilt.norm() > 3.0 * units::deg && !m.level_at_rest) {  // relevel, within the linear range, and restart the integration
         const Vector3d phi_w = Eigen::AngleAxisd(-psi, Vector3d::UnitZ()) * Vector3d(tilt.x(), tilt.y(), 0.0);
         m.q_wb = (math::quaternion_from_rotation_vector(phi_w) * m.q_wb).normalized();
         m.std_level = std::max(1.0 * units::deg, 0.2 * tilt.norm());
@@ -220,7 +220,7 @@ void StartUp::solve() {
     found(psi + yaw_in_level(), std::max(2.0 * units::deg, 3.0 * std_heading));
 }
 
-/// A wheeled vehicle looks where it goes; faster than vehicles reverse.
+/// A wheeled vehicle points in the direction of travel; above reversing speed.
 void StartUp::course() {
     Memory& m = memory;
     if (m.has_heading || !settings_.filter.aids.nonholonomic || !m.has_velocity || (m.now - m.fit.since).seconds() < 10.0) return;
@@ -237,11 +237,11 @@ void StartUp::found(double heading, double std) {
     memory.std_heading = std;
 }
 
-/// Heading of the level frame's standstill from the Earth's rate.
+/// Heading of the level frame at standstill from the Earth rate.
 void StartUp::compass() {
     Memory& m = memory;
     if (!can_gyrocompass()) return;
-    if (!(m.rate.norm() > 0.0 && m.force.norm() > 0.0)) return;  // a unit that says nothing shows no direction
+    if (!(m.rate.norm() > 0.0 && m.force.norm() > 0.0)) return;  // zero output gives no direction
     const Geodetic place = start_place();
     const sensor::ImuErrorModel& imu = settings_.filter.imu.errors;
     const double gyro_std = std::hypot(imu.gyro_initial_bias(), imu.gyro_noise / std::sqrt(m.still));
@@ -249,11 +249,11 @@ void StartUp::compass() {
         ins::gyrocompass(settings_.filter.earth, place, m.force / m.still, m.rate / m.still, imu.accel_initial_bias(), gyro_std);
     m.has_heading = true;
     m.heading_of_mag = m.heading_of_sensor = false;
-    m.psi = c.rpy.z();  // body x had no heading in the level frame when it stood
+    m.psi = c.rpy.z();  // body x had zero heading in the level frame at that time
     m.std_heading = 2.0 * c.std_rpy.z();
 }
 
-/// Whether the Earth's rate is seen well enough, at a place that is known.
+/// True if the Earth rate is measured sufficiently well, at a known position.
 bool StartUp::can_gyrocompass() const {
     if (!memory.has_position && !is_place(settings_.filter.initial.position)) return false;
     const double lat = start_place().lat;
@@ -268,7 +268,7 @@ Geodetic StartUp::start_place() const {
 
 void StartUp::add_mag(const Vector3d& field_b, double declination) {
     Memory& m = memory;
-    // where the body moves, its motion may tell better
+    // if the body moves, its motion may give a better heading
     constexpr double patience = 20.0;  // s
     if (!m.level || m.has_heading || phase() == Phase::Gyrocompassing) return;
     if (!stands() && (m.now - m.first).seconds() < patience) return;
@@ -366,10 +366,10 @@ std::optional<Start> StartUp::ready() const {
     if (!m.has_heading) return std::nullopt;
     const double heading = m.psi + yaw_in_level();
     if (m.tilt.isZero()) return with_heading(heading, m.std_heading);
-    // the fit has found a tilt as well: C_true = (I + [phi x]) C
+    // the fit has estimated a tilt as well: C_true = (I + [phi x]) C
     const Quaterniond q_nb = math::quaternion_from_rpy(Vector3d(rpy.x(), rpy.y(), heading));
     const Vector3d phi(m.tilt.x(), m.tilt.y(), 0.0);
-    const double tilt = std::max(3.0 * m.std_tilt.maxCoeff(), least_tilt());  // a bias of the accelerometers looks the same
+    const double tilt = std::max(3.0 * m.std_tilt.maxCoeff(), least_tilt());  // an accelerometer bias has the same effect
     return start_with((math::quaternion_from_rotation_vector(phi) * q_nb).normalized(), Vector3d(tilt, tilt, m.std_heading));
 }
 

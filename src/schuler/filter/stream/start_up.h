@@ -1,4 +1,4 @@
-// Alignment of a stream: level from standing still, heading from the Earth's rate, a sensor or the motion, without looking ahead.
+// Alignment of a stream: level from standstill, heading from the Earth rate, a sensor or the motion, without future data.
 #pragma once
 
 #include "schuler/filter/navigator_settings.h"
@@ -11,22 +11,22 @@
 
 namespace schuler::filter {
 
-/// Takes increments, windows of standing still and measurements in order of time and says when a start is known, and which.
+/// Takes increments, standstill windows and measurements in time order, and reports the start once it is known.
 ///
-/// Standing: roll and pitch from the mean specific force, the gyro biases from the mean rate where they are larger than the Earth's
-/// rate, heading by gyrocompassing where they are small against it. Moving: the gyros keep a level frame w whose azimuth psi
-/// is unknown; velocity and position gathered in it fit those of the receiver,
+/// At rest: roll and pitch from the mean specific force, the gyro biases from the mean rate if they exceed the Earth rate,
+/// heading by gyrocompassing if they are small compared with it. In motion: the gyros maintain a level frame w of unknown azimuth
+/// psi; velocity and position integrated in it are fitted to those of the receiver,
 ///     v_n(t) = R(psi) v_w(t) + b t + v0,   p_n(t) = R(psi) p_w(t) + b t^2/2 + v0 t + p0,
-/// linear in (cos psi, sin psi, b, v0, p0), where b is what a tilt makes of gravity; velocity matching [Groves2013:5.6], by least squares.
-/// That cos^2 + sin^2 comes out as one shows that the inertial unit and the receiver speak of the same motion.
+/// linear in (cos psi, sin psi, b, v0, p0), where b is the effect of a tilt on gravity; velocity matching [Groves2013:5.6], by
+/// least squares. cos^2 + sin^2 close to one shows that the inertial unit and the receiver observe the same motion.
 class StartUp {
 public:
-    /// Settings are kept by reference.
+    /// Settings are held by reference.
     explicit StartUp(const NavigatorSettings& settings) : settings_(settings) {}
 
     void add(const ImuIncrement& increment, bool interpolated);
     void add_still(const StillWindow& window);
-    /// A fix that is valid near the end of the last increment; `components` as in Event.
+    /// A fix valid near the end of the last increment; `components` as in Event.
     void add_position(const GnssFix& fix, const FixNoise& noise, Time valid, std::uint8_t components);
     void add_velocity(const GnssFix& fix, const FixNoise& noise, std::uint8_t components);
     /// field_b: any unit, body axes.
@@ -34,7 +34,7 @@ public:
     void add_heading(const HeadingSample& sample);
 
     [[nodiscard]] Phase phase() const;
-    /// The start at the end of the last increment, once it is known.
+    /// The start at the end of the last increment, once known.
     [[nodiscard]] std::optional<Start> ready() const;
 
     static constexpr int unknowns = 8;  ///< cos psi, sin psi, b (2), v0 (2), p0 (2)
@@ -48,7 +48,7 @@ public:
         Unknowns y = Unknowns::Zero();
         double sum2 = 0.0;  ///< of the normalised measurements
         int rows = 0;
-        Eigen::Vector3d v_w = Eigen::Vector3d::Zero(), p_w = Eigen::Vector3d::Zero();  ///< gathered
+        Eigen::Vector3d v_w = Eigen::Vector3d::Zero(), p_w = Eigen::Vector3d::Zero();  ///< integrated
         bool has_origin = false;
         Geodetic origin{};
     };
@@ -56,7 +56,7 @@ public:
         bool any_increment = false;
         Time now{}, first{};
         ImuIncrement last{{}, 0.0, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
-        Eigen::Vector3d recent_dv = Eigen::Vector3d::Zero();  ///< of the last second or so, m/s
+        Eigen::Vector3d recent_dv = Eigen::Vector3d::Zero();  ///< over about the last second, m/s
         double recent_time = 0.0;
         // standing
         double still = 0.0;  ///< s
@@ -97,7 +97,7 @@ private:
     void found(double heading, double std);
     [[nodiscard]] double yaw_in_level() const;
     [[nodiscard]] bool stands() const;
-    /// What a level by the accelerometers may be off by, one sigma, rad.
+    /// One sigma of the error of levelling by the accelerometers, rad.
     [[nodiscard]] double least_tilt() const;
     [[nodiscard]] bool can_gyrocompass() const;
     [[nodiscard]] Geodetic start_place() const;

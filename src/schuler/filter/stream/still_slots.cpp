@@ -58,7 +58,7 @@ bool is_still(std::span<const StillSlot> slots, std::size_t i, const StillThresh
 }
 
 StillThresholds thresholds_of_noise(const sensor::ImuErrorModel& imu, double nominal_dt) {
-    // a quarter above what the white noise of three axes makes, as learnt thresholds are above what was seen
+    // a quarter above the white noise of three axes, as learnt thresholds are above the observed values
     const double per_density = 1.25 * std::sqrt(3.0 / nominal_dt);
     return {false, per_density * imu.accel_noise, per_density * imu.gyro_noise};
 }

@@ -1,4 +1,4 @@
-// How a stream takes its samples: what is refused, and what waits. Members of StreamTimeline.
+// Acceptance of samples by a stream: rejected and pending samples. Members of StreamTimeline.
 
 #include "schuler/filter/stream/stream_timeline.h"
 #include "schuler/filter/update/range_update.h"
@@ -18,8 +18,8 @@ namespace {
 
 constexpr double most_age = 10.0;  // s, of a part of a fix at its stamp
 
-// What no vehicle does and no instrument means.
-constexpr std::int64_t most_ns = 4'000'000'000'000'000'000;  // a hundred years either way: differences of times are times
+// Limits beyond any vehicle or instrument.
+constexpr std::int64_t most_ns = 4'000'000'000'000'000'000;  // a century either way, so that differences of times are times
 bool is_bad(Time time) { return time.ns > most_ns || time.ns < -most_ns; }
 bool is_bad(double value, double most) { return !(std::abs(value) <= most); }
 bool is_bad_if_stated(double value, double most) { return !std::isnan(value) && is_bad(value, most); }
@@ -35,7 +35,7 @@ bool is_bad(const GnssFix& f) {
     if (is_bad_if_stated(p.lat, 0.5 * std::numbers::pi) || is_bad_if_stated(p.lon, 2.0 * std::numbers::pi) ||
         is_bad_if_stated(p.h, most_height))
         return true;
-    if (is_bad(f.time) || (p.lat == 0.0 && p.lon == 0.0)) return true;  // what receivers say that have no position
+    if (is_bad(f.time) || (p.lat == 0.0 && p.lon == 0.0)) return true;  // output of receivers without a position
     return has_bad(f.velocity_n, most_speed) || has_bad_sigma(f.std_position) || has_bad_sigma(f.std_velocity) ||
            is_bad(f.position_age, most_age) || is_bad(f.velocity_age, most_age);
 }
@@ -103,7 +103,7 @@ FeedStatus StreamTimeline::feed(Source source, const Sample& sample, Time valid,
         status = FeedStatus::Duplicate;
     if (status != FeedStatus::Taken) return count(source, status);
     if (pool.full() && !memory.any_imu && !pool.empty())
-        pool.let_go(pool.take());  // nothing to go by yet: the latest are worth most
+        pool.let_go(pool.take());  // no reference time yet: the latest samples are kept
     if (pool.full()) return count(source, store.empty() ? FeedStatus::NotUsed : FeedStatus::Full);
     if (!pool.insert(store, sample)) ++counters.reordered[static_cast<std::size_t>(source)];
     return count(source, FeedStatus::Taken);
@@ -165,7 +165,7 @@ std::optional<std::uint16_t> StreamTimeline::range_source(std::string_view name,
     std::vector<RangeSource>& sources = recording_.ranges.sources;
     for (std::size_t i = 0; i < sources.size(); ++i)
         if (sources[i].name == name && sources[i].station == station) return static_cast<std::uint16_t>(i);
-    constexpr std::size_t longest_name = 15;  // which a string holds without memory of its own
+    constexpr std::size_t longest_name = 15;  // fits in a string without allocation
     if (sources.size() == sources.capacity() || name.size() > longest_name) return std::nullopt;
     sources.push_back({std::string(name), station});
     return static_cast<std::uint16_t>(sources.size() - 1);

@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// The run takes measurements this much behind an increment's end with it; no less than Pass does.
+/// Measurements this much after an increment's end are used with it; at least the tolerance of Pass.
 constexpr Duration slack{200'000};
 
 std::size_t capacity(double rate, double seconds) {
@@ -117,7 +117,7 @@ bool StreamTimeline::settle() {
     const Time horizon = memory.newest - lag_ - slack;
     if (sample.time > horizon) return false;
     std::optional<Time> next;
-    if (settings_.filter.imu.stamp != ImuStamp::End) {  // which the next sample decides on
+    if (settings_.filter.imu.stamp != ImuStamp::End) {  // determined by the next sample
         if (imu_.waiting() < 2 || imu_store_[imu_.index(1)].time > horizon) return false;
         next = imu_store_[imu_.index(1)].time;
     }
@@ -161,7 +161,7 @@ void StreamTimeline::add_increment(const ImuIncrement& increment, bool interpola
     if (s != nullptr && !interpolated) s->add(increment);
 }
 
-/// The slot of a number, made where it is not there yet; null where it is forgotten or too far ahead.
+/// The slot of a given number, created if necessary; null if it was discarded or is too far ahead.
 StillSlot* StreamTimeline::slot(std::size_t number) {
     constexpr std::size_t furthest = 16;
     if (number < memory.first_slot || number > memory.current_slot + furthest) return nullptr;
@@ -186,14 +186,14 @@ void StreamTimeline::judge_still(Time until) {
         const std::size_t i = memory.next_judged - memory.first_slot;
         if (i >= slots_.size() || slots_[i].end > until) break;
         memory.moved = memory.moved || slots_[i].speed > 1.0;
-        // Aircraft hover and hands float without the IMU noticing: they stand still only before they first move.
+        // Aircraft hover and hand-held units float unsensed by the IMU: standstill is accepted only before the first motion.
         if (memory.moved && (vehicle == VehicleKind::Air || vehicle == VehicleKind::Hand)) continue;
         const std::size_t complete = std::clamp(memory.current_slot - memory.first_slot, i + 1, slots_.size());
         const std::span<StillSlot> known(slots_.data(), complete);
         for (std::size_t k = i > 0 ? i - 1 : 0; k < std::min(i + 2, complete); ++k)
             add_statistics(known, k, settings_.imu_interval);
         if (!is_still(known, i, thresholds_, largest_rate_)) continue;
-        if (!thresholds_.learnt) {  // an IMU does not feel steady motion: a receiver has to say so too
+        if (!thresholds_.learnt) {  // an IMU does not sense steady motion: a receiver must confirm standstill
             constexpr std::size_t back = 6;
             const bool seen =
                 std::ranges::any_of(known.subspan(i > back ? i - back : 0), [](const StillSlot& s) { return s.speed < 0.3; });
@@ -216,7 +216,7 @@ void StreamTimeline::add_speed(Time time, double speed) {
     if (StillSlot* s = slot(static_cast<std::size_t>(k)); s != nullptr) s->add_speed(speed);
 }
 
-/// From velocities, else from differences of precise positions.
+/// From velocities, or else from differences of precise positions.
 void StreamTimeline::add_speeds(const GnssFix& fix, const Event& e) {
     if ((e.components & 3) != 3) return;
     if (e.kind == AidKind::GnssVelocity) {
@@ -237,7 +237,7 @@ void StreamTimeline::add_speeds(const GnssFix& fix, const Event& e) {
 
 namespace {
 
-/// Measurements of one time come in this order.
+/// Order of simultaneous measurements.
 int rank(AidKind kind) {
     switch (kind) {
         case AidKind::Baro: return 1;

@@ -1,5 +1,5 @@
-// The timeline of a run while it is made: samples in any order within a lag go in, increments, measurements and windows of standing
-// still come out in order, in memory of fixed size.
+// The timeline of a run during its creation: accepts samples in any order within a lag and delivers increments, measurements and
+// standstill windows in order, in memory of fixed size.
 #pragma once
 
 #include "schuler/filter/detail/sample_pool.h"
@@ -17,14 +17,14 @@
 
 namespace schuler::filter {
 
-/// Samples within `lag` of the newest sample of the IMU wait; older ones are settled, one sample of the IMU after the other with the
-/// measurements that are valid by then. What comes out does not depend on the order in which samples came.
+/// Samples within `lag` of the newest IMU sample are pending; older ones are settled, one IMU sample after the other with the
+/// measurements valid by then. The output does not depend on the order in which samples arrive.
 class StreamTimeline {
 public:
-    static constexpr double most_ahead = 5.0;            ///< s that a measurement may be ahead of the IMU
-    static constexpr std::size_t idle_increments = 256;  ///< consumed ones that are kept until they are moved out
+    static constexpr double most_ahead = 5.0;            ///< s, largest lead of a measurement over the IMU
+    static constexpr std::size_t idle_increments = 256;  ///< processed ones kept before they are discarded
 
-    /// Settings are kept by reference. Takes all memory.
+    /// Settings are held by reference. Allocates all memory.
     explicit StreamTimeline(const NavigatorSettings& settings);
     StreamTimeline(const StreamTimeline&) = delete;
     StreamTimeline& operator=(const StreamTimeline&) = delete;
@@ -38,53 +38,53 @@ public:
     FeedStatus feed(const GaugeSample& sample);
     FeedStatus feed(const BodyVelocitySample& sample);
     FeedStatus feed(Time time, std::span<const RangeSample> samples);
-    /// Index of a source of ranges, which is added; nothing where there is no room.
+    /// Index of a range source, which is added if new; empty if there is no room.
     std::optional<std::uint16_t> range_source(std::string_view name, bool station);
 
-    /// Settles the oldest sample of the IMU that waits, if its time has come: appends its increments to data().imu and all
-    /// measurements that are valid before their end to data().events. False where none is due.
+    /// Settles the oldest pending IMU sample, if due: appends its increments to data().imu and all measurements valid before
+    /// their end to data().events. False if none is due.
     bool settle();
-    /// Decides on standing still up to a time that the run is about to reach.
+    /// Decides on standstill up to a time that the run is about to reach.
     void judge_still(Time until);
 
-    /// Places of a run in the data.
+    /// Positions of a run in the data.
     struct Places {
         std::size_t increment = 0, event = 0, epoch = 0, still = 0, bridge = 0;
     };
-    /// Forgets what is before these places, and returns by how much the data begin later now. All: with the increments; otherwise these
-    /// are kept until it is worth while.
+    /// Discards the data before these positions, and returns the shift of the data indices. All: including the increments;
+    /// otherwise these are kept until discarding is worthwhile.
     Places forget(Places places, bool all);
 
-    /// `take(ImuIncrement, BridgeNoise)` for the increments from index `from` on, and for those of the samples that wait.
+    /// `take(ImuIncrement, BridgeNoise)` for the increments from index `from` on, and for those of the pending samples.
     template <class Take>
     void ahead(std::size_t from, Take&& take) const;
 
     [[nodiscard]] const RunData& data() const { return data_; }
     /// Newest sample of the IMU.
     [[nodiscard]] std::optional<Time> now() const { return memory.any_imu ? std::optional<Time>(memory.newest) : std::nullopt; }
-    /// End of the last increment that was settled.
+    /// End of the last settled increment.
     [[nodiscard]] Time settled() const { return interval_.memory.end; }
     [[nodiscard]] bool any_increment() const { return interval_.memory.begun; }
-    /// Whether samples of the IMU were refused that go on by themselves on another axis of time.
+    /// True if the rejected IMU samples form a consistent sequence on another time axis.
     [[nodiscard]] bool is_elsewhere() const { return memory.strangers >= needed_strangers; }
-    /// Whether the order of the samples that wait changed since this was asked last.
+    /// True if the order of the pending samples has changed since the last call.
     bool reordered();
-    /// Seconds of the hole in the last sample that was settled, 0: there was none.
+    /// Length in seconds of the gap in the last settled sample, 0: none.
     [[nodiscard]] double hole() const { return hole_; }
     [[nodiscard]] bool hangs() const { return hangs_; }
-    /// As if nothing had been fed.
+    /// Resets to the initial state.
     void clear();
 
     FeedCounters counters;
 
-    /// What it remembers beside its data.
+    /// State kept in addition to the data.
     struct Memory {
         bool any_imu = false;
         Time newest{};
         Time last_settled{INT64_MIN};             ///< stamp of the IMU sample
         std::array<Time, source_count> released;  ///< stamp of the last one of each channel
         Time stranger{};
-        int strangers = 0;  ///< refused samples of the IMU in a row that follow each other
+        int strangers = 0;  ///< consecutive rejected IMU samples that follow each other
         bool has_before = false;
         ImuIncrement before{{}, 0.0, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};  ///< last interval
         Time slots_start{};
@@ -97,14 +97,14 @@ public:
     };
     Memory memory;
 
-    /// Everything that a copy of the stream needs: `archive(...)` is called with the parts.
+    /// Everything required for a copy of the stream: `archive(...)` is called with the parts.
     template <class Archive>
     void archive(Archive& a);
 
 private:
     static constexpr int needed_strangers = 20;
 
-    /// What measures one thing, true at its stamps: who it is, and its samples that wait.
+    /// An instrument that is valid at its stamps: its identity and its pending samples.
     template <class Sample>
     struct Instrument {
         Source source;
@@ -130,7 +130,7 @@ private:
     void release(Time until);
     template <class Sample>
     void release(Time until, Instrument<Sample>& instrument);
-    /// `visit(Instrument&)` for each of them, in the order in which their measurements of one time are used.
+    /// `visit(Instrument&)` for each of them, in the order in which simultaneous measurements are used.
     template <class Visit>
     void each_instrument(Visit&& visit) {
         std::apply([&](auto&... instrument) { (visit(instrument), ...); }, instruments_);
@@ -153,7 +153,7 @@ private:
     std::tuple<Instrument<BaroSample>, Instrument<MagSample>, Instrument<OdometerSample>, Instrument<HeadingSample>,
                Instrument<GaugeSample>, Instrument<BodyVelocitySample>>
         instruments_;
-    std::vector<std::uint32_t> free_ranges_;  // runs of samples in the log of ranges
+    std::vector<std::uint32_t> free_ranges_;  // free ranges of samples in the range log
     IntervalMaker interval_;
     HangWatch hang_;
     RecentMotion motion_;

@@ -1,4 +1,4 @@
-// One of something, or none, whose room is kept: what comes and goes in a run without taking memory again.
+// An optional value whose memory is kept, for objects that come and go in a run without allocation.
 #pragma once
 
 #include <memory>
@@ -6,7 +6,7 @@
 
 namespace schuler::filter {
 
-/// Copies are deep and take room only where there is one. T may be incomplete until it is used.
+/// Copies are deep and allocate only if there is a value. T may be incomplete until it is used.
 template <class T>
 class AtMostOne {
 public:
@@ -31,7 +31,7 @@ public:
     [[nodiscard]] const T& front() const { return *room_; }
     void clear() { used_ = false; }
 
-    /// Room for one, made where there is none yet; it counts after `use`.
+    /// Memory for a value, allocated if necessary; the value becomes valid with `use`.
     [[nodiscard]] T& room() {
         if (!room_) room_ = std::make_unique<T>();
         return *room_;

@@ -8,7 +8,7 @@ namespace schuler::filter {
 
 namespace {
 
-// The rule is one of orders of magnitude: standard gravity and the mean radius serve every place on the Earth.
+// An order-of-magnitude rule: standard gravity and the mean radius are adequate everywhere.
 constexpr double g = 9.80665, radius = 6371000.0;
 
 }  // namespace

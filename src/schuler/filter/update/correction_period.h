@@ -1,9 +1,9 @@
-// How long a mechanization may run before the estimated errors must be fed back to it.
+// Longest time that a mechanization may run before the estimated errors must be fed back to it.
 #pragma once
 
 namespace schuler::filter {
 
-/// Largest errors of a start and of its sensors.
+/// Largest initial errors and sensor errors.
 struct InertialErrorBounds {
     double attitude = 0.0;  ///< rad
     double gyro = 0.0;      ///< rad/s
@@ -19,7 +19,7 @@ struct InertialErrorBounds {
 /// [(attitude g + accel) t^2 / 2 + g gyro t^3 / 6] / R [PaperA:3.4].
 [[nodiscard]] double attitude_growth(const InertialErrorBounds& bounds, double t);
 
-/// Time (s) after which that growth reaches `allowed` (rad, positive): so long the linear model of the errors holds. Between 1 s
+/// Time (s) after which that growth reaches `allowed` (rad, positive), up to which the linear error model is valid. Between 1 s
 /// and a quarter of the Schuler period.
 [[nodiscard]] double correction_period(const InertialErrorBounds& bounds, double allowed);
 

@@ -13,10 +13,10 @@ namespace schuler::filter {
 
 namespace {
 
-constexpr Duration tolerance{100'000};  // an event this near to an increment's end needs no split of it
+constexpr Duration tolerance{100'000};  // an event this close to an increment's end does not split it
 constexpr Duration instant_tolerance{1'000};
 
-/// Puts the packed components of a record where they belong: north, east, down.
+/// Moves the packed components of a record to their places: north, east, down.
 void unpack(AidRecord& record, std::uint8_t components) {
     if (components == 7 || record.dof == 0) return;
     const AidRecord packed = record;
@@ -153,7 +153,7 @@ bool Pass<Frame>::try_advance(FilterRun<Frame>& run, std::size_t last, Observer&
         if (rivalry_ != Rivalry::None) contest(run, observer);
         if (run.diverged) return false;
         if (inc.time >= run.next_output) {
-            // A span that the next step ends is ended here: its transition is not made twice.
+            // An interval that would end in the next step ends here, so that its transition is not computed twice.
             if (model_.loop != Loop::Closed || observer.wants_all_states(inc.time) || run.filter.gathered.is_full(whole.dt))
                 propagate_covariance(run, observer);
             observer.output(run, inc.time);
@@ -167,13 +167,13 @@ bool Pass<Frame>::try_advance(FilterRun<Frame>& run, std::size_t last, Observer&
 
 template <class Frame>
 bool Pass<Frame>::uses(AidKind kind) const {
-    // With ranges the receiver's own fixes would be used twice: they are what an outage without a reference is judged by.
+    // With ranges the receiver's own fixes would be used twice: they only serve as reference in an outage.
     return !is_part_of_fix(kind) || !uses_ranges(settings_.coupling);
 }
 
 template <class Frame>
 void Pass<Frame>::process(FilterRun<Frame>& run, const Event& event, Observer& observer) const {
-    // The table of an outage is made before the epoch's own update, with the height even where that has an age of its own.
+    // The table of an outage is filled before the epoch's own update, including a height with a separate age.
     const bool in_table = event.outage >= 0 && event.kind == AidKind::GnssPosition && (event.components & 3) == 3;
     if (!uses(event.kind) && !in_table) return;
     propagate_covariance(run, observer);

@@ -1,4 +1,4 @@
-// Constraints of the motion: standing still, rolling on wheels; instantiated for both frames.
+// Motion constraints: standstill, rolling wheels; instantiated for both frames.
 
 #include "schuler/filter/update/pass.h"
 
@@ -50,7 +50,7 @@ void Pass<Frame>::constrain(FilterRun<Frame>& run, Observer& observer) const {
     }
     const double speed = e.nav.v_eb_n.norm();
     const double turn = std::abs(e.w_ib_b.z());
-    // Tyres slip in proportion to the sideways acceleration, speed times turn rate. What was seen to scatter, scatters.
+    // Tyres slip in proportion to the lateral acceleration, speed times turn rate. The observed scatter is included.
     double lateral = aids.nonholonomic_std_lateral + 0.02 * speed * turn, vertical = aids.nonholonomic_std_vertical;
     if (!aids.nonholonomic) {
         lateral = 0.03 + 2.0 * run.wheels.std_side() * speed;
@@ -64,7 +64,7 @@ template <class Frame>
 void Pass<Frame>::observe_wheels(FilterRun<Frame>& run, const Estimate& e) const {
     InertialFilter<Frame>& f = run.filter;
     const int mounting = model_.layout.mounting;
-    const double along = data_.backward ? -1.0 : 1.0;  // wheels roll forward in the time of the log
+    const double along = data_.backward ? -1.0 : 1.0;  // wheels roll forward in the log's time direction
     const Eigen::Vector3d v_b = along * (e.C_nb.transpose() * e.nav.v_eb_n);
     const bool good = f.P.diagonal().template segment<3>(Layout::velocity).maxCoeff() < 0.05 &&
                       f.P.diagonal().template segment<3>(Layout::attitude).maxCoeff() < 4e-4;

@@ -1,4 +1,4 @@
-// Measurement updates: what a source measures, with its gate; instantiated for both frames.
+// Measurement updates: the measurement of a source with its gate; instantiated for both frames.
 
 #include "schuler/filter/update/pass.h"
 
@@ -18,9 +18,9 @@
 
 namespace schuler::filter {
 
-/// Variances of what a row that is linear in the latency leaves out: its error times that of the velocity (in positions) and of the
-/// acceleration, which errs with the level (in velocities). After an outage, and before the level is known, that is more than the
-/// receiver's noise, and taken for nothing it would teach a latency (Maybeck 1982, section 12.3: modified second-order filter).
+/// Variances of terms neglected in a row linear in the latency: its error times that of the velocity (in positions) and of the
+/// acceleration, which depends on the level (in velocities). After an outage, and before the level is known, they exceed the
+/// receiver's noise; neglecting them would bias the latency (Maybeck 1982, section 12.3: modified second-order filter).
 template <class Frame>
 Eigen::Matrix<double, 9, 1> Pass<Frame>::of_latency(const InertialFilter<Frame>& filter, const Estimate& e, int state) const {
     const Matrix9 P = filter.local_covariance(model_);
@@ -40,10 +40,10 @@ Measurement Pass<Frame>::measurement_of(const InertialFilter<Frame>& filter, con
     switch (event.kind) {
         case AidKind::GnssPosition: {
             const FixNoise& noise = data_.fix_noise[event.index];
-            // what the layout has no states for is part of the noise
+            // errors without states are part of the noise
             Eigen::Vector3d variance = (model_.layout.gnss_position < 0 ? noise.position : noise.white_position).cwiseAbs2();
             if (event.constellation_change) variance += slow.change_white_position.cwiseAbs2();
-            // Where the latency had to be found it jitters from fix to fix as well, by some milliseconds.
+            // An estimated latency also varies from fix to fix, by some milliseconds.
             const double jitter = settings_.gnss.jitter.value_or(std::min(0.4 * settings_.gnss.latency_std, 0.01));  // s
             variance += jitter * jitter * e.nav.v_eb_n.cwiseAbs2();
             if (model_.layout.gnss_latency >= 0)
@@ -54,7 +54,7 @@ Measurement Pass<Frame>::measurement_of(const InertialFilter<Frame>& filter, con
             const FixNoise& noise = data_.fix_noise[event.index];
             Eigen::Vector3d variance = (model_.layout.gnss_velocity < 0 ? noise.velocity : noise.white_velocity).cwiseAbs2();
             if (event.constellation_change) variance += slow.change_white_velocity.cwiseAbs2();
-            // A latency that had to be found jitters from fix to fix; without a state it is off by what fits of it are good for.
+            // An estimated latency varies from fix to fix; without a state its error is that of the fits.
             const GnssSettings& g = settings_.gnss;
             const bool own = model_.layout.gnss_velocity_latency >= 0;
             const double off =
@@ -93,7 +93,7 @@ Measurement Pass<Frame>::measurement_of(const InertialFilter<Frame>& filter, con
 
 template <class Frame>
 void Pass<Frame>::recover(FilterRun<Frame>& run, Channel channel, const Measurement& local) const {
-    // The estimate is wrong by about the innovation: say so in the covariance, isotropically, and in what may have caused it.
+    // The estimate is wrong by about the innovation: increase the covariance accordingly, isotropically, and that of the cause.
     if (channel.kind == AidKind::Baro && model_.layout.baro_bias >= 0) {
         run.filter.P(model_.layout.baro_bias, model_.layout.baro_bias) += local.innovation.squaredNorm();
         return;

@@ -1,5 +1,5 @@
-// Rates between two carrier phases: the change of a range between the antenna's places at two epochs. Where it was at the first is a clone of the
-// states of then, so that what is known of the way between the two is used, and no more [RoumeliotisBurdick2002].
+// Rates between two carrier phases: the change of a range between the antenna positions at two epochs. The first position is a clone
+// of the states at that time, so that exactly the information about the displacement between the two is used [RoumeliotisBurdick2002].
 #include "schuler/filter/update/range_update.h"
 
 #include <cmath>
@@ -34,13 +34,13 @@ const RangeTracking::Phase* RangeUpdate<Frame>::phase_of(InertialFilter<Frame>& 
     constexpr double tolerance = 1e-3;  // s
     const auto carriers = std::span(tracking.phases).first(static_cast<std::size_t>(L.phases));
     auto found = std::ranges::find(carriers, static_cast<int>(m.source), &RangeTracking::Phase::source);
-    if (found == carriers.end())  // what has ended longer ago than a span is nobody's
+    if (found == carriers.end())  // older than one interval: no longer in use
         found = std::ranges::find_if(carriers, [&](const RangeTracking::Phase& p) {
             return p.source < 0 || (f.time() - p.last).seconds() > m.phase_span + tolerance;
         });
     if (found == carriers.end()) return nullptr;
     RangeTracking::Phase& p = *found;
-    if (p.source == m.source && p.last == f.time()) return &p;  // linearised anew
+    if (p.source == m.source && p.last == f.time()) return &p;  // relinearised
     const bool goes_on =
         m.phase_goes_on && p.source == m.source && std::abs((f.time() - p.last).seconds() - m.phase_span) < tolerance;
     const int first = L.phase + 2 * static_cast<int>(found - carriers.begin());
@@ -61,12 +61,12 @@ typename RangeUpdate<Frame>::PhaseRate RangeUpdate<Frame>::phase_rate(const Iner
     Ecef from;
     if (phase != nullptr && phase->tx_begin.r.allFinite()) {
         from = phase->tx_begin;
-    } else {  // to a micrometre over a span of 0.2 s
+    } else {  // accurate to a micrometre over an interval of 0.2 s
         const Vector3d acceleration = orbital_acceleration(model_.earth.ellipsoid, m.tx.r, m.tx_velocity);
         from.r = m.tx.r - span * m.tx_velocity + 0.5 * span * span * acceleration;
     }
     const int clone = model_.layout.antenna;
-    AntennaEstimate begin = a;  // axes of now
+    AntennaEstimate begin = a;  // current axes
     begin.r_e = f.parameters.template segment<3>(clone) - f.error.template segment<3>(clone) - dx.segment<3>(clone);
     const RangeRows then = range_rows(begin, from, m.tx_velocity);
     const Vector3d u_e = a.C_en * then.u_n;

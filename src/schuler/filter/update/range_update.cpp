@@ -46,7 +46,7 @@ int RangeUpdate<Frame>::slot_of(InertialFilter<Frame>& f, RangeTracking& trackin
                                 RangeListener* listener) const {
     const sensor::RangeErrorModel& m = errors_of(station);
     if (!(m.correlated > 0.0)) return -1;
-    constexpr double forgotten = 5.0;  // correlation times after which a slot may go to another source
+    constexpr double forgotten = 5.0;  // correlation times after which a slot may be reassigned
     std::size_t free = Layout::slots;
     for (std::size_t k = 0; k < Layout::slots; ++k) {
         const RangeTracking::Slot& slot = tracking.slots[k];
@@ -100,7 +100,7 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
                                       RangeListener* listener) const {
     const Layout& L = model_.layout;
     const earth::Earth& earth = model_.earth;
-    const double way = backward_ ? -1.0 : 1.0;  // of the filter's time in that of the ranges
+    const double way = backward_ ? -1.0 : 1.0;  // direction of the filter's time in that of the ranges
     const Time time = backward_ ? Time{-f.time().ns} : f.time();
     const auto nominal = [&](int i) { return f.parameters(i) - f.error(i) - dx(i); };  // states are renewed below
     const NavState nav = Frame::geographic(earth, Frame::corrected(earth, f.estimated(model_), dx.head<9>()));
@@ -119,7 +119,7 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
         if (!m.tx.r.allFinite() || (source.station && !settings_.use_stations) || work.count + 2 > RangeEpochWork::most) continue;
         const Vector3d velocity = m.tx_velocity.allFinite() ? m.tx_velocity : Vector3d(Vector3d::Zero());
         const RangeRows now = range_rows(a, m.tx, velocity);
-        // u points down to the receiver: what comes from above has a positive down component
+        // u points down to the receiver: a signal from above has a positive down component
         const bool delayed = air && !source.station;
         const gnss::Direction direction{delayed ? std::atan2(-now.u_n.y(), -now.u_n.x()) : 0.0,
                                         std::asin(std::clamp(now.u_n.z(), -1.0, 1.0))};
@@ -132,7 +132,7 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
                                                 settings_.ionosphere ? &*settings_.ionosphere : nullptr, settings_.corrections);
         const sensor::RangeErrorModel& errors = errors_of(source.station);
         const bool by_model = settings_.slow_by_model && !source.station;
-        // reflections come and go in tens of seconds and more: a single fix has them as noise, a filter would average them away
+        // multipath varies over tens of seconds and more: noise for a single fix, but a filter would average it
         const double reflections =
             by_model ? settings_.corrections.code_sigma * m.noise * gnss::noise_factor(direction.elevation, m.cn0) : 0.0;
         const double slow_sigma =
@@ -141,7 +141,7 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
         if (slot >= 0) tracking.slots[static_cast<std::size_t>(slot - L.source)].last = f.time();
 
         const auto next = [&](bool is_rate) -> RangeScalar& {
-            RangeScalar& s = work.scalars[work.count++];  // of another epoch
+            RangeScalar& s = work.scalars[work.count++];  // may contain data of another epoch
             s.source = m.source;
             s.station = source.station;
             s.is_rate = is_rate;
@@ -154,7 +154,7 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
             return s;
         };
         if (std::isfinite(m.pseudorange)) {
-            // what the models leave is the slow error's, where that is a state
+            // the residual of the models belongs to the slow error, if that is a state
             double delay = air_delay.delay, more = by_model && slot >= 0 ? 0.0 : m.variance;
             if (delayed) {
                 if (slot < 0) more += air_delay.variance;
@@ -162,7 +162,7 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
                 delay = gnss::ground_range_delay(earth::geodetic_from_ecef(earth.ellipsoid, m.tx), a.place, now.range);
             }
             RangeScalar& s = next(false);
-            // measured when the receiver's clock showed the time, which is bias/c after it was
+            // measured when the receiver's clock showed the tag, that is, bias/c later
             const double computed = now.range - now.rate * clock / speed_of_light + clock - speed_of_light * m.tx_clock + delay +
                                     (source.station ? nominal(L.network)
                                      : offset >= 0  ? nominal(L.intersystem + offset)
@@ -193,8 +193,8 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
                 if (L.lever_arm >= 0) s.row.add3(L.lever_arm, r.by_lever_arm);
                 s.row.add3(L.antenna, r.by_clone);
             } else {
-                // Rates tell the place too, by 0.1 to 0.2 mm/s a metre: of a receiver whose rates are off by slow millimetres a second as well
-                // (atmosphere, orbit, tracking), which white noise does not say, a hundred epochs would make a place wrong by metres.
+                // Rates also depend on position, by 0.1 to 0.2 mm/s per metre: with slowly varying rate errors of a few mm/s
+                // (atmosphere, orbit, tracking), not covered by white noise, a hundred epochs would shift the position by metres.
                 const Vector3d by_position = by_model ? Vector3d(Vector3d::Zero()) : now.rate_by_position;
                 navigation(s.row, by_position, way * now.rate_by_velocity, now.rate_by_attitude);
                 if (L.lever_arm >= 0) s.row.add3(L.lever_arm, now.rate_by_lever_arm);
@@ -215,7 +215,7 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
     }
 }
 
-/// Uses the scalars that are in use as if one by one, anew; false where a limit is exceeded.
+/// Repeats the sequential update with the scalars in use; false if a limit is exceeded.
 template <class Frame>
 bool RangeUpdate<Frame>::use_all(const RangeTest& test, estim::EpochUpdate& update, RangeEpochWork& work, StateVector& dx,
                                  RangeListener* listener) const {
@@ -239,7 +239,7 @@ bool RangeUpdate<Frame>::use_all(const RangeTest& test, estim::EpochUpdate& upda
     return good && sum <= test.whole[static_cast<std::size_t>(n)];
 }
 
-/// A jump that all satellites' pseudoranges share belongs to the clock: opens it. True where there was one.
+/// A jump common to all satellites' pseudoranges is due to the clock: opens its state. True if there was one.
 template <class Frame>
 bool RangeUpdate<Frame>::follow_clock_jump(InertialFilter<Frame>& f, const RangeEpochWork& work) const {
     const int clock = model_.layout.clock;
@@ -269,7 +269,7 @@ using Column = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 64, 1>;
 
 }  // namespace
 
-/// Leaves out the scalar that fits worst to all the others; false where none is beyond its limit.
+/// Excludes the scalar that disagrees most with all the others; false if none exceeds its limit.
 template <class Frame>
 bool RangeUpdate<Frame>::leave_out_worst(const InertialFilter<Frame>& f, RangeEpochWork& work) const {
     std::array<std::size_t, RangeEpochWork::most> index;
@@ -296,7 +296,7 @@ bool RangeUpdate<Frame>::leave_out_worst(const InertialFilter<Frame>& f, RangeEp
         worst = square;
         which = i;
     }
-    if (which < 0 && z.dot(w) > test_.whole[static_cast<std::size_t>(n)]) {  // together too large, none by itself
+    if (which < 0 && z.dot(w) > test_.whole[static_cast<std::size_t>(n)]) {  // jointly too large, but none individually
         (w.array().square() / inverse.diagonal().array()).maxCoeff(&which);
     }
     if (which < 0) return false;
@@ -305,7 +305,7 @@ bool RangeUpdate<Frame>::leave_out_worst(const InertialFilter<Frame>& f, RangeEp
     return true;
 }
 
-/// A station so near that the range is not linear over the uncertainty of the position (math.md 5.3).
+/// True for a station so close that the range is not linear over the position uncertainty (math.md 5.3).
 template <class Frame>
 bool RangeUpdate<Frame>::is_curved(const InertialFilter<Frame>& f, const RangeEpochWork& work) const {
     const double spread = f.P.diagonal().template head<3>().sum();
@@ -314,9 +314,9 @@ bool RangeUpdate<Frame>::is_curved(const InertialFilter<Frame>& f, const RangeEp
     });
 }
 
-/// Sources that go on disagreeing: their slow error is opened so far that they may be used again and learnt anew. Where a watch is kept, one
-/// that disagrees while most do not is wrong, and learning it anew would make its fault a slow error that is expected to decay: returned, -1
-/// otherwise.
+/// Persistently disagreeing sources: their slow error is opened so that they can be used and estimated again. With a fault watch,
+/// a source that disagrees while most do not is faulty, and re-estimation would turn its fault into a slow error that is expected
+/// to decay: it is returned, otherwise -1.
 template <class Frame>
 int RangeUpdate<Frame>::doubt_sources(InertialFilter<Frame>& f, RangeTracking& tracking) const {
     int wrong = -1, doubted = 0, all = 0;
@@ -325,7 +325,7 @@ int RangeUpdate<Frame>::doubt_sources(InertialFilter<Frame>& f, RangeTracking& t
         RangeTracking::Slot& slot = tracking.slots[static_cast<std::size_t>(s.slot - model_.layout.source)];
         ++all;
         if (s.use) slot.doubted.reset();
-        else if (!slot.doubted) slot.doubted = f.time();  // from here: silence before does not speak against the source
+        else if (!slot.doubted) slot.doubted = f.time();  // from here: earlier absence is not evidence against the source
         if (slot.doubted) ++doubted;
         if (slot.doubted && (f.time() - *slot.doubted).seconds() >= test_.recovery_time) wrong = s.source;
     }
@@ -340,7 +340,7 @@ int RangeUpdate<Frame>::doubt_sources(InertialFilter<Frame>& f, RangeTracking& t
     return -1;
 }
 
-/// The scalars in use once more, for the watch; f.P is that before the epoch.
+/// Passes the scalars in use to the fault watch; f.P is that before the epoch.
 template <class Frame>
 void RangeUpdate<Frame>::follow_faults(InertialFilter<Frame>& f, RangeTracking& tracking) const {
     std::array<WatchedScalar, RangeEpochWork::most> scalars;
@@ -354,8 +354,8 @@ void RangeUpdate<Frame>::follow_faults(InertialFilter<Frame>& f, RangeTracking& 
     tracking.watch.weigh();
 }
 
-/// A source that was found wrong is left out from now on, and the estimate becomes that of the filter that never used it: what the fault
-/// did is undone, whatever its shape.
+/// Excludes a source found faulty from now on, and replaces the estimate by that of the filter without it: the effect of the
+/// fault is removed, whatever its shape.
 template <class Frame>
 void RangeUpdate<Frame>::leave_out(InertialFilter<Frame>& f, RangeTracking& tracking, int source, RangeListener* listener) const {
     const auto clean = std::ranges::find(tracking.watch.without, source, &WithoutSource::source);
@@ -375,7 +375,7 @@ void RangeUpdate<Frame>::leave_out(InertialFilter<Frame>& f, RangeTracking& trac
     }
 }
 
-/// Of the sources left out: not used at this epoch, and used again once the means of range and rate over a window agree with the estimate.
+/// Excluded sources: not used at this epoch, and readmitted once the means of range and rate over a window agree with the estimate.
 template <class Frame>
 void RangeUpdate<Frame>::follow_left_out(const InertialFilter<Frame>& f, RangeTracking& tracking) const {
     constexpr double window = 120.0, limit = 3.0;  // s, sigmas
@@ -407,7 +407,7 @@ void RangeUpdate<Frame>::follow_left_out(const InertialFilter<Frame>& f, RangeTr
     });
 }
 
-/// Most ranges contradict the inertial prediction for long: then that is wrong by about as much.
+/// Most ranges contradict the inertial prediction for long: the prediction is then wrong by about this amount.
 template <class Frame>
 void RangeUpdate<Frame>::doubt_the_estimate(InertialFilter<Frame>& f, RangeTracking& tracking) const {
     RangeEpochWork& work = tracking.work;
@@ -418,7 +418,7 @@ void RangeUpdate<Frame>::doubt_the_estimate(InertialFilter<Frame>& f, RangeTrack
     if (2 * good >= ranges) work.disagreeing = 0;
     else if (work.disagreeing++ == 0) work.disagreeing_since = f.time();
     constexpr int long_run = 10;
-    constexpr double long_time = 1.0;  // s: a deep receiver's epochs come fifty a second
+    constexpr double long_time = 1.0;  // s: a deep receiver has fifty epochs per second
     if (work.disagreeing < long_run || (f.time() - work.disagreeing_since).seconds() < long_time) return;
     double size = 0.0;
     for (const RangeScalar& s : work.all())
@@ -448,7 +448,7 @@ int RangeUpdate<Frame>::operator()(InertialFilter<Frame>& f, RangeTracking& trac
     while (!use_all(test_, update, work, dx, nullptr)) {
         if (!work.clock_jump && follow_clock_jump(f, work)) work.clock_jump = true;
         else if (!leave_out_worst(f, work)) {
-            agreed = false;  // each by itself is in order, in this order or another
+            agreed = false;  // each is acceptable by itself, in this order or another
             break;
         }
     }

@@ -14,12 +14,12 @@
 
 namespace schuler::filter {
 
-/// Limits of the tests, from one probability for a good measurement to be rejected.
+/// Limits of the tests, from a single probability of rejecting a good measurement.
 struct RangeTest {
     double single = 0.0;             ///< of a squared normalised innovation
-    std::array<double, 65> whole{};  ///< of their sum, by number
-    double watch = 0.0;              ///< of the fault watch, 0: none is kept
-    double recovery_time = 10.0;     ///< s after which a source that goes on disagreeing has its slow error opened
+    std::array<double, 65> whole{};  ///< of their sum, by their number
+    double watch = 0.0;              ///< of the fault watch, 0: none
+    double recovery_time = 10.0;     ///< s after which the slow error of a persistently disagreeing source is opened
 
     RangeTest() = default;
     /// probability 0: everything is accepted.
@@ -34,55 +34,55 @@ struct RangeScalar {
     double innovation = 0.0;  ///< computed minus measured, m or m/s
     double variance = 1.0;    ///< of its white noise
     double distance = 0.0;    ///< m
-    double sequential = 0.0;  ///< normalised innovation after those before it in the epoch; white when all is well
+    double sequential = 0.0;  ///< normalised innovation after the preceding ones of the epoch; white in the absence of faults
     double s = 1.0;           ///< variance of that innovation
     estim::Row row;           ///< in the filter's own errors
 };
 
-/// Rooms for one epoch, kept between epochs so that nothing is allocated.
+/// Memory for one epoch, kept between epochs to avoid allocation.
 struct RangeEpochWork {
-    static constexpr std::size_t most = 64;  ///< scalars of an epoch; further sources are left out
+    static constexpr std::size_t most = 64;  ///< scalars of an epoch; further sources are ignored
     std::array<RangeScalar, most> scalars;
     std::size_t count = 0;
     int excluded = 0;  ///< scalars
     bool clock_jump = false;
-    int alarm = -1;       ///< source that the fault watch found wrong at this epoch
-    int disagreeing = 0;  ///< epochs in a row in which most ranges were excluded
+    int alarm = -1;       ///< source found faulty by the fault watch at this epoch
+    int disagreeing = 0;  ///< consecutive epochs in which most ranges were excluded
     Time disagreeing_since{};
 
     [[nodiscard]] std::span<RangeScalar> all() { return {scalars.data(), count}; }
     [[nodiscard]] std::span<const RangeScalar> all() const { return {scalars.data(), count}; }
 };
 
-/// What a run knows about its ranges; plain and copyable.
+/// State of a run's ranges; plain and copyable.
 struct RangeTracking {
     /// The slot of a source: a state of the layout's source block.
     struct Slot {
         int source = -1;  ///< index into RangingLog::sources; -1: free
         bool station = false;
-        Time last{};                    ///< when it was measured last
-        std::optional<Time> doubted{};  ///< of the first that was rejected since one was accepted
+        Time last{};                    ///< time of its last measurement
+        std::optional<Time> doubted{};  ///< of the first rejection since the last acceptance
     };
     std::array<Slot, Layout::slots> slots{};
-    /// A carrier whose phase errors are states: two, of which `end` is that of the phase at which its last rate ended.
+    /// A carrier whose phase errors are states: two, of which `end` belongs to the phase at the end of its last rate.
     struct Phase {
         int source = -1;            ///< index into RangingLog::sources; -1: free
-        Time last{};                ///< when that was
+        Time last{};                ///< time of that phase
         int end = 0, begin = 0;     ///< states of the ends of the last rate
-        Ecef tx_end{}, tx_begin{};  ///< the transmitter then; not finite: not known
+        Ecef tx_end{}, tx_begin{};  ///< the transmitter at those times; not finite: unknown
     };
     std::array<Phase, 12> phases{};
-    std::optional<Time> cloned{};  ///< when the antenna was where the layout's antenna block has it
+    std::optional<Time> cloned{};  ///< time at which the antenna was in the position of the layout's antenna block
     FaultWatch watch;
     RangeEpochWork work;
 };
 
-/// Who follows an update with ranges, to step back over it later.
+/// Observer of an update with ranges, for stepping back over it later.
 struct RangeListener {
     virtual ~RangeListener() = default;
-    /// A state was given to another source.
+    /// A state was reassigned to another source.
     virtual void renewed(int state) = 0;
-    /// Three states became the combinations that the rows are of the others.
+    /// Three states became the combinations `rows` of the others.
     virtual void cloned(int first, const std::array<estim::Row, 3>& rows) = 0;
     virtual void scalar(const estim::RowUpdate& update) = 0;
 };
@@ -90,8 +90,8 @@ struct RangeListener {
 /// Index of a satellite system's offset in the layout's intersystem block, -1 for GPS and those that share its clock.
 [[nodiscard]] int intersystem_of(const RangeSource& source);
 
-/// Ranges in a filter whose layout has a clock. References are kept. `backward`: the filter's time, velocities, rates and the Earth's turn
-/// are reversed (fusion/backward.h), those of the ranges are not.
+/// Ranges in a filter whose layout has a clock. References are held. `backward`: the filter's time, velocities, rates and the
+/// Earth rotation are reversed (fusion/backward.h), those of the ranges are not.
 template <class Frame>
 class RangeUpdate {
 public:
@@ -99,25 +99,25 @@ public:
                 const RangeTest& test, bool backward = false)
         : model_(model), settings_(settings), lever_arm_b_(lever_arm_b), test_(test), backward_(backward) {}
 
-    /// Of the variance of a rate by phase, what is not in the phases at its ends: a measurement without noise of its own would make the covariance
-    /// singular. More would be a walk of the phases against each other, which they do not make.
+    /// Fraction of the variance of a phase-derived rate not shared with the phases at its ends: a measurement without its own noise
+    /// would make the covariance singular. A larger value would represent a random walk between the phases, which does not exist.
     static constexpr double unshared = 1e-6;
 
-    /// `listener` may be null. Updates the filter with an epoch at its own time (after propagate_covariance). All scalars are used one by one; where the sum of
-    /// squares or one of them exceeds its limit, the epoch is taken back and each scalar is tested against all the others and the
-    /// inertial prediction (w_i = (S^-1 z)_i / sqrt((S^-1)_ii), normal without faults), the worst is left out, and so on until the rest
-    /// agree: single and multiple faults. A jump of the receiver's clock, which all ranges share, is followed. Where a fault watch is
-    /// kept, a source that it finds wrong raises an alarm: the estimate is freed of what the fault did, and the source is left out until it
-    /// agrees again. Returns the number of scalars used.
+    /// `listener` may be null. Updates the filter with an epoch at its own time (after propagate_covariance). All scalars are
+    /// used in sequence; if the sum of squares or one of them exceeds its limit, the epoch is undone and each scalar is tested
+    /// against all the others and the inertial prediction (w_i = (S^-1 z)_i / sqrt((S^-1)_ii), normal without faults), the worst
+    /// is excluded, and so on until the rest agree: single and multiple faults. A jump of the receiver's clock, common to all
+    /// ranges, is followed. With a fault watch, a source found faulty raises an alarm: the effect of the fault on the estimate is
+    /// removed, and the source is excluded until it agrees again. Returns the number of scalars used.
     int operator()(InertialFilter<Frame>& filter, RangeTracking& tracking, const RangingLog& log,
                    std::span<const RangeSample> samples, RangeListener* listener) const;
 
-    /// Fills the scalars of an epoch for an estimate: that of `filter` corrected by `dx`. Rows refer to errors of the filter as it
-    /// stands, so that innovation = row . error + noise to first order about the corrected estimate (an iterated update).
+    /// Fills the scalars of an epoch for an estimate: that of `filter` corrected by `dx`. Rows refer to the current errors of the
+    /// filter, so that innovation = row . error + noise to first order about the corrected estimate (an iterated update).
     void make_scalars(InertialFilter<Frame>& filter, RangeTracking& tracking, const RangingLog& log,
                       std::span<const RangeSample> samples, const StateVector& dx, RangeListener* listener) const;
 
-    /// State of a source's slow error, given one where it has none: -1 where its kind has no slow error or all slots are in use.
+    /// State of a source's slow error, assigned if it has none: -1 if its kind has no slow error or all slots are in use.
     /// `sigma`: of that error, m.
     [[nodiscard]] int slot_of(InertialFilter<Frame>& filter, RangeTracking& tracking, int source, bool station, double sigma,
                               RangeListener* listener) const;
@@ -126,28 +126,28 @@ private:
     [[nodiscard]] const sensor::RangeErrorModel& errors_of(bool station) const {
         return station ? settings_.errors.station : settings_.errors.satellite;
     }
-    /// The antenna of the estimate less dx; `way` -1: as in the ranges' time, where the filter's runs backward.
+    /// The antenna of the estimate less dx; `way` -1: in the time direction of the ranges, for a filter running backward.
     [[nodiscard]] AntennaEstimate antenna(const InertialFilter<Frame>& filter, const StateVector& dx, double way) const;
     [[nodiscard]] double sigma_of(double stated, double model_sigma, bool station, double elevation, double cn0) const;
-    /// The states of the phases between which a rate was measured; null where it has none.
+    /// The states of the phases between which a rate was measured; null if there are none.
     [[nodiscard]] const RangeTracking::Phase* phase_of(InertialFilter<Frame>& filter, RangeTracking& tracking,
                                                        const RangeSample& sample, RangeListener* listener) const;
-    /// The rate between two phases, with rows by position and attitude in local level and those of the clone in Earth-fixed axes.
+    /// The rate between two phases, with local-level rows for position and attitude and Earth-fixed rows for the clone.
     struct PhaseRate {
         double rate = 0.0;
         Eigen::Vector3d by_position, by_attitude, by_lever_arm, by_clone;
     };
-    /// Where the antenna was at the begin of the span is known; `now`: the range at its end. `dx`: as in make_scalars.
+    /// The antenna position at the start of the interval is known; `now`: the range at its end. `dx`: as in make_scalars.
     [[nodiscard]] PhaseRate phase_rate(const InertialFilter<Frame>& filter, const AntennaEstimate& antenna, const RangeRows& now,
                                        const RangeSample& sample, const RangeTracking::Phase* phase, const StateVector& dx) const;
-    /// From now on the antenna's place of now is what the layout's antenna block has.
+    /// Stores the current antenna position in the layout's antenna block.
     void clone_antenna(InertialFilter<Frame>& filter, RangeTracking& tracking, RangeListener* listener) const;
-    /// What turns the first nine entries of a row by errors in local level into those by the filter's own.
+    /// Maps the first nine entries of a row from local-level errors to the filter's own.
     [[nodiscard]] Matrix9 local_rows(const NavState& nav) const;
-    /// Whether the place of the antenna at the begin of a rate's span is known.
+    /// True if the antenna position at the start of a rate's interval is known.
     [[nodiscard]] bool spans_phases(const InertialFilter<Frame>& filter, const RangeTracking& tracking,
                                     const RangeSample& sample) const;
-    /// Gives a state another meaning: an error of variance `variance` that is correlated with nothing.
+    /// Reassigns a state: an error of variance `variance`, uncorrelated with all others.
     void renew(InertialFilter<Frame>& filter, RangeTracking& tracking, int state, double variance, RangeListener* listener) const;
     bool use_all(const RangeTest& test, estim::EpochUpdate& update, RangeEpochWork& work, StateVector& dx,
                  RangeListener* listener) const;

@@ -1,4 +1,4 @@
-// What the navigation filter supplies to a receiver's tracking loops: the hook of the deeper couplings.
+// Information supplied by the navigation filter to a receiver's tracking loops: the interface of the deeper couplings.
 #pragma once
 
 #include "schuler/core/nav_state.h"
@@ -16,11 +16,11 @@ struct EarthFixedMotion {
 };
 
 /// Motion of the antenna from the inertial solution: specific force f_b (m/s^2) and rate w_ib_b (rad/s) already corrected. The
-/// turn rate is taken as constant where it accelerates the lever arm.
+/// angular rate is assumed constant in the acceleration of the lever arm.
 [[nodiscard]] EarthFixedMotion antenna_motion(const earth::Earth& earth, const NavState& nav, const Eigen::Vector3d& f_b,
                                               const Eigen::Vector3d& w_ib_b, const Eigen::Vector3d& lever_arm_b);
 
-/// What a tracking loop needs in order to follow a signal through the motion of the antenna, clocks and light time left to it.
+/// Data for a tracking loop to follow a signal through the antenna motion; clocks and light time are left to the loop.
 struct LineOfSightAid {
     double range;         ///< m
     double rate;          ///< m/s
@@ -29,7 +29,7 @@ struct LineOfSightAid {
     double std_rate;      ///< m/s
 };
 
-/// P: covariance of position and velocity of the antenna, north, east, down at `nav`'s place, 6 x 6.
+/// P: covariance of position and velocity of the antenna, north, east, down at the position of `nav`, 6 x 6.
 [[nodiscard]] LineOfSightAid line_of_sight_aid(const EarthFixedMotion& antenna, const EarthFixedMotion& transmitter,
                                                const Eigen::Matrix3d& C_en, const Eigen::Matrix<double, 6, 6>& P);
 

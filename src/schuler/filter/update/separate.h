@@ -1,4 +1,4 @@
-// Gains of the separate scheme: the mechanization is reset to the receiver, its errors are not estimated.
+// Gains of the separate scheme: the mechanization is reset to the receiver; its errors are not estimated.
 #pragma once
 
 #include "schuler/filter/settings.h"
@@ -6,8 +6,8 @@
 
 namespace schuler::filter {
 
-/// Gains of the barometer's loop on height, vertical velocity and vertical acceleration: three equal real roots of time constant
-/// tau against the instability 2g/R of the free channel. [PaperA:1.4]; derived in docs/complex.md
+/// Gains of the barometric loop on height, vertical velocity and vertical acceleration: three equal real roots of time constant
+/// tau against the instability 2g/R of the unaided channel. [PaperA:1.4]; derived in docs/complex.md
 struct VerticalGains {
     double height;        ///< 1/s
     double velocity;      ///< 1/s^2
@@ -15,17 +15,17 @@ struct VerticalGains {
 };
 [[nodiscard]] VerticalGains vertical_gains(double tau);
 
-/// Share of a difference that a continuous correction with time constant tau takes in dt seconds.
+/// Fraction of a difference corrected in dt seconds by a continuous correction with time constant tau.
 [[nodiscard]] double correction_share(double dt, double tau);
 
 /// Gain columns of the components of a measurement.
 using Gains = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, estim::max_states, 3>;
 
-/// Gain columns in local-level errors for the components of a measurement: each corrects the state that its row measures by
-/// `share`. first: of the position's or the velocity's block.
+/// Gain columns in local-level errors for the components of a measurement: each corrects the state measured by its row by
+/// `share`. first: of the position or velocity block.
 [[nodiscard]] Gains setting_gains(Eigen::Index states, const Measurement& local, int first, double share);
 
-/// Gain column of a barometric height (row: -1 of the down position) after dt seconds.
+/// Gain column of a barometric height (row: -1 for the down position) after dt seconds.
 [[nodiscard]] Gains barometer_gains(Eigen::Index states, const Eigen::Matrix3d& C_nb, double dt, double tau);
 
 }  // namespace schuler::filter

@@ -1,5 +1,5 @@
-// Fixed-interval smoothing over a forward run: replays a stretch from its checkpoint, writes down what happened, and steps back
-// over it with the adjoint recursion. Memory is one stretch plus one filter per stretch, whatever the length of the log.
+// Fixed-interval smoothing of a forward run: replays a segment from its checkpoint, records it, and steps back over it with the
+// adjoint recursion. Memory is one segment plus one filter per segment, for any length of the log.
 #pragma once
 
 #include "schuler/filter/update/pass.h"
@@ -12,7 +12,7 @@
 
 namespace schuler::filter {
 
-/// What happened in one stretch, in order.
+/// Record of one segment, in order.
 template <class Frame>
 class Tape : public PassObserver<Frame> {
 public:
@@ -107,8 +107,8 @@ private:
     std::vector<Point> points_;
 };
 
-/// The smoothed counterpart of a filter state: nominal corrected by -P lambda, covariance P - P Lambda P (its first nine states alone
-/// where `whole_covariance` is not wanted).
+/// The smoothed counterpart of a filter state: nominal corrected by -P lambda, covariance P - P Lambda P (only its first nine
+/// states if `whole_covariance` is not requested).
 template <class Frame>
 void smooth_in_place(const InertialModel& model, InertialFilter<Frame>& filter, const estim::StateAdjoint& adjoint,
                      bool whole_covariance) {
@@ -125,9 +125,9 @@ void smooth_in_place(const InertialModel& model, InertialFilter<Frame>& filter, 
     filter.apply(model, dx);
 }
 
-/// The way back over the checkpoints of a run whose last increment was `end`: each stretch is replayed onto the tape and rewound;
-/// `report(Kind, point, adjoint)` for each of its points, the last one first. The covariance of a checkpoint is of its own time. `block`: increments
-/// after which the run brought its covariance up to date though nothing asked for it.
+/// Backward pass over the checkpoints of a run whose last increment was `end`: each segment is replayed onto the tape and
+/// rewound; `report(Kind, point, adjoint)` for each of its points, the last one first. The covariance of a checkpoint is at its
+/// own time. `block`: number of increments after which the run propagated its covariance even without a request.
 template <class Frame, class Report>
 void rewind_checkpoints(const Pass<Frame>& pass, const InertialModel& model, const std::vector<FilterRun<Frame>>& checkpoints,
                         std::size_t end, std::size_t block, Tape<Frame>& tape, const std::function<void(double)>& progress,

@@ -1,4 +1,4 @@
-// How much an inertial unit shakes: the part of its white noise that comes and goes with engines, rotors and roads.
+// Vibration of an inertial unit: the part of its white noise that varies with engines, rotors and roads.
 #pragma once
 
 #include "schuler/core/samples.h"
@@ -9,13 +9,13 @@
 
 namespace schuler::filter {
 
-/// Power of the white noise by which successive samples would differ as much as they did over the last second. Motion of a vehicle is
-/// smooth over two samples and hardly part of their second difference; vibration that was sampled too slowly is. Plain and copyable.
+/// Density of white noise that would produce the differences of successive samples over the last second. Vehicle motion is smooth
+/// over two samples and contributes little to their second difference; undersampled vibration does contribute. Plain and copyable.
 struct Vibration {
     double gyro_psd = 0.0;   ///< rad^2/s, mean of the axes
     double accel_psd = 0.0;  ///< m^2/s^3
 
-    /// Increments in order of time, interpolated ones left out.
+    /// Increments in time order, without interpolated ones.
     void add(const ImuIncrement& inc) {
         constexpr double memory = 1.0;          // s
         constexpr double of_white = 3.0 * 6.0;  // mean square of a second difference of three components

@@ -14,7 +14,7 @@ void WheelEvidence::add(const Eigen::Vector3d& v_b, double turn, double interval
     mean_down += d_down / n;
     m2_side += d_side * (side - mean_side);
     m2_down += d_down * (down - mean_down);
-    // An aircraft keeps its angles of attack and of drift on a straight leg too: only turns tell.
+    // An aircraft also keeps its angles of attack and drift on a straight leg: only turns are significant.
     if (n * interval < 60.0 || turned < 0.5 * std::numbers::pi) return;
     constexpr double limit = 0.02;  // rad
     const bool rolls = std_side() < limit && std_down() < limit && std::abs(mean_side) < 0.5 && std::abs(mean_down) < 0.5;

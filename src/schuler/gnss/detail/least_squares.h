@@ -1,4 +1,4 @@
-// Normal equations of one epoch: three components of position or velocity and a clock for each system. Private to the room.
+// Normal equations of one epoch: three components of position or velocity and one clock per system. Private to the room.
 #pragma once
 
 #include "schuler/gnss/ranges.h"
@@ -14,7 +14,7 @@ namespace schuler::gnss::detail {
 inline constexpr Eigen::Index unknown_count = 3 + static_cast<Eigen::Index>(clock_count);
 using Estimate = Eigen::Matrix<double, unknown_count, 1>;
 
-/// Sums rows (line of sight, one of the clock). Clocks without a row stay zero.
+/// Accumulates rows (line of sight, unit entry for the clock). Clocks without a row stay zero.
 class NormalEquations {
 public:
     [[nodiscard]] static Estimate row_of(const Eigen::Vector3d& line_of_sight, std::size_t clock) {
@@ -47,7 +47,7 @@ public:
         return Rows(all.topRows<3>());
     }
 
-    /// Of the three components.
+    /// Covariance of the three components.
     [[nodiscard]] std::optional<Eigen::Matrix3d> covariance() const {
         const auto rows = inverse_rows();
         if (!rows) return std::nullopt;

@@ -1,4 +1,4 @@
-// The model's F along a steady motion as Taylor series, in scaled states and time.
+// F of the model along a steady motion as Taylor series, in scaled states and time.
 #pragma once
 
 #include "schuler/gravimetry/detail/series.h"
@@ -8,7 +8,7 @@
 
 namespace schuler::gravimetry::detail {
 
-/// An entry of F that is not zero.
+/// A non-zero element of F.
 struct SeriesEntry {
     int row, column;
     Series value;

@@ -11,13 +11,13 @@ namespace schuler::gravimetry::detail {
 
 using Real = boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
 
-/// Coefficients of t^0 to t^32: the 33 blocks of the observability matrix need no more.
+/// Coefficients of t^0 to t^32, sufficient for the 33 blocks of the observability matrix.
 class Series {
 public:
     static constexpr std::size_t terms = 33;
 
     Series() = default;
-    Series(const Real& constant) { c_[0] = constant; }  // NOLINT: a number is a series
+    Series(const Real& constant) { c_[0] = constant; }  // NOLINT: implicit conversion of a constant
     [[nodiscard]] static Series line(const Real& start, const Real& rate) {
         Series s(start);
         s.c_[1] = rate;

@@ -1,4 +1,4 @@
-// How the gravity vector of a model changes with latitude and height, as both error models need it.
+// Change of a model's gravity vector with latitude and height, required by both error models.
 #pragma once
 
 #include "schuler/earth/earth.h"
@@ -11,7 +11,7 @@ struct GravitySlope {
     double north_by_height;  ///< 1/s^2
 };
 
-/// Height dependence of the north component from the field having a potential, d((M + h) north)/dh = -d(down)/dlat, where the
+/// Height dependence of the north component, from the existence of a potential: d((M + h) north)/dh = -d(down)/dlat, if the
 /// model has a north component at all.
 [[nodiscard]] inline GravitySlope gravity_slope(earth::GravityModel model, double lat, double h, const earth::EarthTerms& t) {
     const earth::GravityGradient g = earth::gravity_gradient(model, lat, h);

@@ -41,7 +41,7 @@ Cadence cadence_of(std::span<const double> times) {
     std::size_t odd = 0;
     for (std::size_t i = 0; i < steps.size(); ++i) {
         const double ratio = steps[i] / c.step;
-        // 1e-6: a step of three times as written in decimals is no gap.
+        // 1e-6: an interval of exactly three steps in decimal notation is not a gap.
         if (ratio > 3.0 + 1e-6) c.gaps.push_back({starts[i], steps[i]});
         if (std::abs(ratio - 1.0) > 0.25) ++odd;
         if (ratio > 1.5) c.missing += static_cast<std::size_t>(std::min(std::llround(ratio) - 1, 1'000'000LL));

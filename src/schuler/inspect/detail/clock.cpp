@@ -15,7 +15,7 @@ namespace {
 
 constexpr double least_common = 10.0;  // s
 
-/// Values on an even grid; where `known` is 0 there is none.
+/// Values on a uniform grid; missing where `known` is 0.
 struct Channel {
     std::vector<double> value, known;
 };
@@ -41,7 +41,7 @@ void put(Channel& c, std::size_t i, double value) {
     c.known[i] = 1.0;
 }
 
-/// Sums of a series up to each sample, for means over any stretch.
+/// Cumulative sums of a series, for means over any interval.
 std::vector<Eigen::Vector3d> sums_of(const std::vector<Eigen::Vector3d>& values) {
     std::vector<Eigen::Vector3d> sums(values.size() + 1, Eigen::Vector3d::Zero());
     for (std::size_t i = 0; i < values.size(); ++i) sums[i + 1] = sums[i] + values[i];
@@ -52,7 +52,7 @@ Channels imu_channels(const ImuSeries& imu, const Grid& grid, double width) {
     Channels out = empty_channels(grid);
     const std::vector<Eigen::Vector3d> w = sums_of(imu.w), f = sums_of(imu.f);
     const double full = width / std::max(imu.step, 1e-9);
-    constexpr double level = 20.0;  // s: over which the mean force is the vertical
+    constexpr double level = 20.0;  // s: averaging time in which the mean force is vertical
     for (std::size_t i = 0; i < grid.size; ++i) {
         const auto mean = [&](const std::vector<Eigen::Vector3d>& sums, double span, std::size_t& n) {
             const auto a =
@@ -73,7 +73,7 @@ Channels imu_channels(const ImuSeries& imu, const Grid& grid, double width) {
     return out;
 }
 
-/// Velocities of the track: the receiver's, else by positions of at least a second.
+/// Velocities of the track: the receiver's, else from positions at least a second apart.
 std::vector<Eigen::Vector3d> velocities(const GnssSeries& gnss) {
     if (gnss.has_velocity()) return gnss.v;
     std::vector<Eigen::Vector3d> v(gnss.size(), Eigen::Vector3d::Zero());
@@ -90,7 +90,7 @@ std::vector<Eigen::Vector3d> velocities(const GnssSeries& gnss) {
 Channels gnss_channels(const GnssSeries& gnss, const Grid& grid, double width, double gravity) {
     Channels out = empty_channels(grid);
     const std::vector<Eigen::Vector3d> v = velocities(gnss);
-    const double slowest = gnss.has_velocity() ? 0.7 : 2.0;  // m/s: slower, the course is noise
+    const double slowest = gnss.has_velocity() ? 0.7 : 2.0;  // m/s: below this the course is too noisy
     const auto at = [&](double t, Eigen::Vector3d& value) {
         if (t < gnss.t.front() || t > gnss.t.back()) return false;
         const std::size_t k = std::min(index_before(gnss.t, t), gnss.size() - 2);
@@ -112,7 +112,7 @@ Channels gnss_channels(const GnssSeries& gnss, const Grid& grid, double width, d
     return out;
 }
 
-/// Mean zero where known, and no value beyond five robust sigmas.
+/// Zero mean of the known values, limited to five robust sigmas.
 void settle(Channel& c) {
     std::vector<double> known;
     for (std::size_t i = 0; i < c.value.size(); ++i)
@@ -138,7 +138,7 @@ public:
         fft_.forward(in_, s);
         return s;
     }
-    /// sum over i of x_i y_{i+k}, for k from 0; negative k from the end.
+    /// sum over i of x_i y_{i+k}, for k from 0; negative k at the end.
     [[nodiscard]] std::vector<double> correlate(const Spectrum& x, const Spectrum& y) {
         for (std::size_t i = 0; i < in_.size(); ++i) in_[i] = std::conj(x[i]) * y[i];
         fft_.inverse(in_, out_);
@@ -227,7 +227,7 @@ ClockScan scan_clocks(const ImuSeries& imu, const GnssSeries& gnss, double gravi
             }
         }
     }
-    // cell i of the IMU meets cell i + k of the GNSS
+    // cell i of the IMU corresponds to cell i + k of the GNSS
     const auto shift_of = [&](std::size_t k) {
         const double cells = k < b.size ? static_cast<double>(k) : static_cast<double>(k) - static_cast<double>(size);
         return b.first - a.first + cells * step;
@@ -249,7 +249,7 @@ ClockScan scan_clocks(const ImuSeries& imu, const GnssSeries& gnss, double gravi
 std::optional<KnownShift> known_shift(double shift, double leap) {
     constexpr double hour = 3600.0, day = 24.0 * hour, week = 7.0 * day, epochs = 315'964'800.0;
     for (const double seconds : {0.0, leap, -leap}) {
-        // a late GNSS seems to want later IMU times
+        // a late GNSS appears to require later IMU times
         const double hours = std::round((shift - middle_lag - seconds) / hour) * hour;
         const double rest = shift - hours - seconds;
         if (rest < earliest_lag || rest > latest_lag) continue;
@@ -292,9 +292,9 @@ ClockDrift drift_of(const std::vector<LagCurve>& curves) {
         std::vector<double>& into = cost[w * groups / curves.size()];
         const std::vector<double>& c = curves[w].horizontal;
         for (int r = 0; r < rates; ++r) {
-            const double moved = (pitch * r - most) * 1e-6 * (curves[w].t - middle) / lag_step;  // in steps of lag
+            const double moved = (pitch * r - most) * 1e-6 * (curves[w].t - middle) / lag_step;  // in units of lag_step
             for (std::size_t i = 0; i < lags; ++i) {
-                // parabolas between the lags: straight lines would favour the drifts that meet them
+                // parabolic interpolation between the lags: linear interpolation would favour drifts that coincide with them
                 const double at = std::clamp(static_cast<double>(i) + moved, 0.0, static_cast<double>(lags - 1));
                 const auto k = std::clamp<std::size_t>(static_cast<std::size_t>(std::lround(at)), 1, lags - 2);
                 const double x = at - static_cast<double>(k);

@@ -14,9 +14,9 @@
 namespace schuler::inspect::detail {
 namespace {
 
-constexpr double least_step = 0.25;            // s: less is jitter of a logger, or a latency
-constexpr std::size_t most_holes = 16;         // of each log, the longest: logs that lose samples all the time
-constexpr double reach = 240.0, far = 1200.0;  // s of each log that are compared on either side
+constexpr double least_step = 0.25;            // s: smaller is jitter of a logger, or a latency
+constexpr std::size_t most_holes = 16;         // of each log, the longest: for logs with many lost samples
+constexpr double reach = 240.0, far = 1200.0;  // s of each log compared on either side
 
 struct Hole {
     bool imu = true;
@@ -38,7 +38,7 @@ std::vector<Hole> holes_of(const Series& log, bool imu) {
     return holes;
 }
 
-/// The samples from `from` to `to`, all earlier by `by`.
+/// The samples from `from` to `to`, shifted earlier by `by`.
 ImuSeries part_of(const ImuSeries& log, double from, double to, double by) {
     ImuSeries part;
     part.step = log.step;
@@ -65,7 +65,7 @@ GnssSeries part_of(const GnssSeries& log, double from, double to, double by) {
     return part;
 }
 
-/// How two logs fit, with the gyros in the unit that the course shows.
+/// Agreement of two logs, with the gyros in the unit determined from the course.
 struct Sides {
     const ImuSeries& imu;
     const GnssSeries& gnss;
@@ -91,12 +91,12 @@ double unit_of(const ImuSeries& imu, const GnssSeries& gnss) {
     return gyro_unit_of(course_slope(imu, gnss, -f.normalized(), w)).value_or(1.0);
 }
 
-/// Whether a lag is known so well that a step is told from none: windows agree, or smooth motion shows it flatly, but far better than the step.
+/// True if a lag is accurate enough to detect a step: the windows agree, or smooth motion shows it less sharply, but far better than the step.
 bool tells(const MotionFit& fit, double step) {
     return shows_lag(fit) || (fit.windows >= 4 && fit.horizontal.found && fit.horizontal.sigma <= std::min(0.12, 0.12 * step));
 }
 
-/// How much worse a fit is at a lag than at its best one, in variances of its residuals; 0 outside the lags that were tried.
+/// Increase of the misfit at a lag relative to the best one, in variances of its residuals; 0 outside the tested lags.
 double worse_at(const MotionFit& fit, double lag) {
     const auto index = [](double at) { return static_cast<long>(std::lround((at - first_lag) / lag_step)); };
     const long best = index(fit.horizontal.at), other = index(lag);
@@ -107,13 +107,13 @@ double worse_at(const MotionFit& fit, double lag) {
     return sum;
 }
 
-/// What speaks for a step, or nothing where the hole is one, or cannot be told.
+/// The evidence for a step; empty if the gap is real, or undecided.
 std::optional<std::string> evidence_of(const Sides& sides, const Hole& hole, double span) {
-    constexpr double margin = 2.0;  // s around what is compared, for the lags
+    constexpr double margin = 2.0;  // s around the compared part, for the lags
     const double imu_before = hole.imu ? hole.from : hole.from + margin, gnss_before = hole.imu ? hole.from + margin : hole.from;
     const MotionFit before = sides.fit(hole.from - span - margin, imu_before, 0.0, hole.from - span, gnss_before, 0.0);
     if (!tells(before, hole.step)) return std::nullopt;
-    // After it as stamped, and earlier; the other log then goes on from where the hole begins.
+    // The part after it as stamped, and earlier; the other log then continues from the start of the gap.
     const double end = hole.to + span, imu_by = hole.imu ? hole.step : 0.0, gnss_by = hole.step - imu_by;
     const double imu_start = hole.imu ? hole.to : hole.from - margin, gnss_start = hole.imu ? hole.from - margin : hole.to;
     const MotionFit moved = sides.fit(imu_start, end + margin, imu_by, gnss_start, end, gnss_by);

@@ -1,4 +1,4 @@
-// The dataset.toml being drafted: keys with how sure they are, in the order a reader wants.
+// The dataset.toml being drafted: keys with their confidence, in the order of presentation.
 #pragma once
 
 #include "schuler/core/fact.h"
@@ -10,18 +10,18 @@ namespace schuler::inspect::detail {
 
 class Draft {
 public:
-    /// Fixes the place of a section; empty ones are not written.
+    /// Defines the position of a section; empty ones are not written.
     void begin(const std::string& section_name) { (void)section(section_name); }
-    /// Keys that are not active are written as comments. `how`: found in the data, or stated by a file; `sigma`: of a number.
+    /// Inactive keys are written as comments. `how`: found in the data, or stated by a file; `sigma`: of a number.
     void set(const std::string& section, const std::string& key, FactValue value, const std::string& comment = {},
              bool active = true, Known how = Known::Found, double sigma = not_given);
-    /// A comment line of its own.
+    /// A separate comment line.
     void note(const std::string& section, const std::string& text);
-    /// The whole section is written as comments.
+    /// Writes the whole section as comments.
     void leave_out(const std::string& section);
     [[nodiscard]] bool has(const std::string& section) const;
     [[nodiscard]] std::string text() const;
-    /// The active keys, as "section.key"; the span that they were found in is left to the caller.
+    /// The active keys, as "section.key"; the interval of the evidence is set by the caller.
     [[nodiscard]] std::vector<Fact> facts() const;
 
 private:

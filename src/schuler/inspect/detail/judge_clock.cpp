@@ -1,4 +1,4 @@
-// The clocks of IMU and GNSS: what their motion says about the times as they are written.
+// The clocks of IMU and GNSS: test of the stated times with the motion.
 #include "schuler/inspect/detail/clock.h"
 #include "schuler/inspect/detail/clock_steps.h"
 #include "schuler/inspect/detail/study.h"
@@ -13,9 +13,9 @@
 namespace schuler::inspect::detail {
 namespace {
 
-constexpr double decisive = 25.0;  // support of a shift before it is looked at: above chance among all shifts of a day
+constexpr double decisive = 25.0;  // support of a shift for further evaluation: above chance among all shifts of a day
 constexpr double beyond_stated = 15.0;
-constexpr double beyond_rival = 6.0;  // a likelihood of 400 against the second best
+constexpr double beyond_rival = 6.0;  // a likelihood ratio of 400 to the second best
 constexpr double trust_in_known = 5.0;
 
 double leap_seconds(const Study& study) {
@@ -49,7 +49,7 @@ struct Choice {
     double rival = 0.0;  // support of the second best
 };
 
-/// The best shift; one that clocks are known to make before one that is a little better.
+/// The best shift; a known shift between clocks is preferred to a slightly better one.
 std::optional<Choice> best_of(const ClockScan& scan, double leap) {
     if (scan.peaks.empty()) return std::nullopt;
     Choice best{scan.peaks.front(), known_shift(scan.peaks.front().shift, leap), false};
@@ -68,7 +68,7 @@ std::optional<Choice> best_of(const ClockScan& scan, double leap) {
     return best;
 }
 
-/// Plain without a fit, which steps, waves and vibration can spoil: a shift that clocks make, or one without any rival.
+/// Accepted without a fit, which steps, waves and vibration can corrupt: a known shift, or one without any rival.
 bool plain(const Choice& best, const ClockScan& scan) {
     constexpr double much = 40.0;
     const double support = best.peak.support;
@@ -104,7 +104,7 @@ void judge_clock(Study& study) {
     if (study.imu_file == nullptr || study.gnss_file == nullptr || study.imu.empty() || study.gnss.size() < 20) return;
     const Given& given = study.given;
     const bool is_given = given.has("imu.time_offset_s") || given.has("gnss.time_offset_s");
-    // where the user says what the seconds count from, the loader brings dated fixes to them
+    // if the user states the origin of the seconds, the loader converts dated fixes to it
     if (study.dated_fixes_move() && (given.has("time.scale") || given.has("time.week") || given.has("time.date"))) return;
     const double leap = leap_seconds(study);
     const ClockScan scan = scan_clocks(study.imu, study.gnss, study.gravity);
@@ -120,7 +120,7 @@ void judge_clock(Study& study) {
     const bool fits = shows_lag(there) && there.rms < 0.6 * there.motion &&
                       !(study.overlap && there.rms > 0.7 * fit_at(study, 0.0, window).rms);
     if (!fits && !plain(*best, scan)) return;
-    // A shift of its own holds the receiver's latency too: the two cannot be told apart.
+    // An unknown shift includes the receiver's latency: the two cannot be separated.
     const double lag = fits ? there.horizontal.at - middle_lag : 0.0;
     const double shift = best->known ? sought : std::round(100.0 * (sought + lag)) / 100.0;
     const std::string fit_text =

@@ -1,4 +1,4 @@
-// Columns that are not what their names say: latitude for longitude, gyros that turn the other way.
+// Columns whose content differs from their names: exchanged latitude and longitude, gyros of opposite sign.
 #include "schuler/inspect/detail/study.h"
 
 #include "schuler/core/units.h"
@@ -13,7 +13,7 @@
 namespace schuler::inspect::detail {
 namespace {
 
-/// Displacements over about 2 s against the mean velocity between them: sum of squared differences, and of the displacements.
+/// Displacements over about 2 s compared with the mean velocity between them: sums of squared differences and displacements.
 struct Misfit {
     double miss = 0.0, moved = 0.0;
 };
@@ -33,7 +33,7 @@ Misfit misfit(const LoadedFile& file, const char* lat, const char* lon) {
         const Geodetic a{p[first] * units::deg, q[first] * units::deg, 0.0}, b{p[k] * units::deg, q[k] * units::deg, 0.0};
         const Eigen::Vector2d moved = earth::ned_difference(earth, b, a).head<2>();
         const double miss = (moved - Eigen::Vector2d(n, e)).squaredNorm();
-        constexpr double jump = 1e6;  // m^2: no vehicle's
+        constexpr double jump = 1e6;  // m^2: impossible for any vehicle
         if (dt > 0.0 && dt < 2.5 && std::isfinite(miss) && miss < jump) {
             sum.miss += miss;
             sum.moved += n * n + e * e;
@@ -59,7 +59,7 @@ void judge_coordinates(Study& study) {
     constexpr double most = 90.0;
     if (std::ranges::any_of(file["lon_deg"], [](double x) { return std::abs(x) > most; })) return;
     const Misfit as_named = misfit(file, "lat_deg", "lon_deg");
-    constexpr double much = 400.0, wrong = 0.1, right = 0.05;  // m^2; shares of the motion
+    constexpr double much = 400.0, wrong = 0.1, right = 0.05;  // m^2; fractions of the motion
     if (as_named.moved < much || as_named.miss < wrong * as_named.moved) return;
     const Misfit exchanged = misfit(file, "lon_deg", "lat_deg");
     if (exchanged.miss > right * exchanged.moved || exchanged.miss > right * as_named.miss) return;
@@ -83,7 +83,7 @@ void judge_coordinates(Study& study) {
 
 namespace {
 
-/// Whether the vertical rate is that of the course, with the other sign.
+/// True if the vertical rate equals that of the course with opposite sign.
 bool turns_against_course(const Study& study) {
     const Eigen::Vector3d up = study.still.any() ? study.still.f : mean_force(study.imu);
     constexpr double against = -0.6;  // correlation of the course's rate with the rate about the vertical
@@ -95,7 +95,7 @@ struct Trial {
     MotionFit fit;
 };
 
-/// The fit with every choice of gyros turned round, but for none.
+/// The fits for all non-empty combinations of reversed gyros.
 std::vector<Trial> gyros_turned_round(const Study& study, FitSource source) {
     std::vector<Trial> trials;
     for (int k = 1; k < 8; ++k) {
@@ -120,7 +120,7 @@ bool judge_gyro_signs(Study& study) {
     const FitSource source = study.gnss.has_velocity() ? FitSource::Velocity : FitSource::Displacement;
     const std::vector<Trial> trials = gyros_turned_round(study, source);
     const double lowest = std::ranges::min(trials, {}, [](const Trial& t) { return t.fit.rms; }).fit.rms;
-    // axes that hardly turn may have either sign: as few as possible are turned round
+    // axes with little rotation may have either sign: as few as possible are reversed
     const Trial* best = nullptr;
     for (const Trial& t : trials)
         if (t.fit.rms < 1.15 * lowest && (best == nullptr || t.sign.sum() > best->sign.sum())) best = &t;
@@ -175,11 +175,11 @@ bool judge_accel_signs(Study& study) {
         best = axis;
         best_fit = std::move(one);
     }
-    // No vehicle leans out of its turns by as much as it would lean in: there the better fit has only to say which axis.
+    // No vehicle rolls outwards in turns as much as it would roll inwards: the better fit then only has to identify the axis.
     if (!shows_lag(best_fit) || best_fit.rms > clearly * best_fit.motion ||
         best_fit.rms > (felt < to_the_wrong_side ? somewhat : clearly) * fit.rms)
         return false;
-    // Gyros of the other sign make half a mirror, too: what they explain as well is theirs.
+    // Gyros of opposite sign also mirror the axes: effects they explain equally well are attributed to them.
     constexpr double better = 0.85;
     const std::vector<Trial> gyros = gyros_turned_round(study, source);
     if (best_fit.rms > better * std::ranges::min(gyros, {}, [](const Trial& t) { return t.fit.rms; }).fit.rms) return false;

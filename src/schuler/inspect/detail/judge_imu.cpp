@@ -1,4 +1,4 @@
-// The IMU section: axes and mounting, grade, and what is odd about the samples.
+// The IMU section: axes and mounting, grade, and anomalies of the samples.
 #include "schuler/inspect/detail/study.h"
 
 #include "schuler/core/units.h"
@@ -68,7 +68,7 @@ void judge_mounting(Study& study) {
         for (std::size_t k = 0; k < study.gnss.size(); ++k) speeds.push_back(study.gnss.speed(k));
         const bool travels = !speeds.empty() && quantile(std::move(speeds), 0.9) > telling;
         if (!m.found || study.gnss.has_velocity() || !travels) return;
-        // In the air the mean force is no vertical: only what has rested knows its level.
+        // In the air the mean force is not vertical: the level is known only after a standstill.
         if (study.still.any())
             study.draft.set("imu", "mounting_deg", std::string("estimate"),
                             "forward is only supposed here; the filter finds the direction of travel");
@@ -98,7 +98,7 @@ void judge_mounting(Study& study) {
     }
 }
 
-// Given axes or angles against those of the data, in the directions that the data show.
+// Compares given axes or angles with those of the data, in the directions determined by the data.
 void check_given_axes(Study& study) {
     const Mounting& m = study.mounting;
     const Given& given = study.given;
@@ -112,7 +112,7 @@ void check_given_axes(Study& study) {
     const auto angle = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
         return std::acos(std::clamp(a.normalized().dot(b.normalized()), -1.0, 1.0)) * per_deg;
     };
-    // Up at rest: level ground to a few degrees, whatever stands on it; axes alone are named to the nearest quarter turn.
+    // Up at rest: ground and vehicle are level to a few degrees; axes alone are given to the nearest quarter turn.
     const double slack = given.mounting_rpy ? 0.0 : 50.0;
     if (study.still.any()) {
         const double off = angle(-C.row(2).transpose(), study.still.f);
@@ -123,7 +123,7 @@ void check_given_axes(Study& study) {
         }
     }
     if (m.forward_from != ForwardFrom::Travel) return;
-    // Only wheels keep to the axes; in the air there are sideslip and wind, in the hand anything.
+    // Only wheeled vehicles move along their axes; in the air there are sideslip and wind, hand-held any direction.
     const double spread = m.forward_spread * per_deg / std::sqrt(std::max(1.0, m.epochs / 20.0));
     const double sigma = study.vehicle == "car" ? std::max(0.7, spread) : std::max(10.0, m.forward_spread * per_deg);
     const double off = angle(C.row(0).transpose(), study.travel.forward_s);
@@ -135,9 +135,9 @@ void check_given_axes(Study& study) {
     }
 }
 
-// The best grade that noise and bias allow: noise clearly below that of the next worse one, whose biases it would otherwise be wrong to
-// rule out, and bias within four sigma of switch-on. The noise holds vibration, so that it alone does not make an instrument worse than
-// consumer grade.
+// The best grade consistent with noise and bias: noise clearly below that of the next worse grade, whose biases could otherwise
+// not be excluded, and bias within four sigma of switch-on. The noise includes vibration, so it alone does not classify an
+// instrument below consumer grade.
 std::string grade_for(double gyro_noise, double accel_noise, double gyro_bias) {
     constexpr double clearly = 0.6;
     constexpr std::array<const char*, 4> names{"navigation", "tactical", "mems", "consumer"};
@@ -151,7 +151,7 @@ std::string grade_for(double gyro_noise, double accel_noise, double gyro_bias) {
     return gyro_bias < 4.0 * sensor::imu_grade("consumer").gyro_initial_bias() ? "consumer" : "adis16405";
 }
 
-/// A given grade whose biases cannot be is refuted. Noise above its own may be vibration: it is then measured instead of believed.
+/// A given grade is refuted if its biases are impossible. Noise above its own may be vibration: it is then measured.
 void check_given_grade(Study& study, const std::string& found, double bias, double noise) {
     const Given& given = study.given;
     if (!given.gyro_bias || !study.still.any()) return;
@@ -179,12 +179,12 @@ void judge_grade(Study& study) {
     const Eigen::Vector3d bias = study.still.any() ? study.still.w
                                  : fitted          ? study.velocity_fit.gyro_bias
                                                    : Eigen::Vector3d::Zero();
-    // The quietest axes: vibration adds to noise, mostly in some axes.
+    // The quietest axes: vibration adds noise, mainly in some axes.
     const double gyro = median({noise.gyro.x(), noise.gyro.y(), noise.gyro.z()}) / units::deg_per_sqrt_hour;
     const double accel = median({noise.accel.x(), noise.accel.y(), noise.accel.z()}) / units::m_s_per_sqrt_hour;
     const double bias_size = bias.cwiseAbs().maxCoeff();
     std::string grade = grade_for(gyro * units::deg_per_sqrt_hour, accel * units::m_s_per_sqrt_hour, bias_size);
-    // Without a rest vibration and noise cannot be told apart, and a good gyro's bias may have been removed by the logger.
+    // Without standstill vibration and noise cannot be separated, and a good gyro's bias may have been removed by the logger.
     const double confidence = study.still.any() ? 0.7 : 0.5;
     if (gyro <= 0.0 || accel <= 0.0) grade = "consumer";
     const std::string numbers =
@@ -269,7 +269,7 @@ void judge_samples(Study& study) {
     }
 }
 
-/// Offset and drift of the clock of the IMU and of what was logged with it.
+/// Offset and drift of the clock of the IMU and of the logs that share it.
 void draft_clock(Study& study) {
     const double weeks = study.dated_fixes_move() ? 0.0 : study.imu_shift;
     const double offset = weeks + study.clock_shift;

@@ -1,4 +1,4 @@
-// How late each GNSS channel is, from three comparisons: velocity with IMU, position with IMU, velocity with position.
+// Latency of each GNSS channel from three comparisons: velocity with IMU, position with IMU, velocity with position.
 #include "schuler/inspect/detail/study.h"
 
 #include <fmt/format.h>
@@ -17,7 +17,7 @@ struct Age {
     std::string from;
 };
 
-// What the jackknife does not see: interpolation, filtering in the receiver and in the IMU.
+// Errors not covered by the jackknife: interpolation, filtering in the receiver and in the IMU.
 constexpr double floor_sigma = 0.015, floor_sigma_down = 0.04;
 
 std::optional<Age> age_of(const Agreement& a, double least_contrast, double floor, const char* from) {
@@ -74,10 +74,10 @@ void report(Study& study, const char* key, const std::optional<Age>& age, double
     study.found(key, text_of(*age), confidence_of(*age), why);
 }
 
-// Hundredths of a second: finer, the fits do not agree among themselves.
+// Hundredths of a second: the limit of agreement between the fits.
 double rounded(double age) { return std::round(100.0 * age) / 100.0; }
 
-// One key of the draft: what to add to the ages that the log states, where the measured age differs from what would be used.
+// One key of the draft: the latency to be added to the ages stated in the log, if the measured age differs from the default.
 double draft_latency(Study& study, const char* key, const std::optional<Age>& age, double stated, bool is_stated, double used) {
     if (!age) return used;
     const std::string stated_text = is_stated ? fmt::format(", beyond the {:.2f} s that the log states", stated) : std::string();
@@ -99,14 +99,14 @@ double draft_latency(Study& study, const char* key, const std::optional<Age>& ag
     return used;
 }
 
-/// What a latency may be off by, so that the filter can carry it: what was measured, within what the fits are good for. A time of
-/// validity in the log itself (`stated`) is believed as long as the data do not speak against it, and doubted by what they differ by where
-/// they begin to.
+/// Uncertainty of a latency for the filter: that of the measurement, within the accuracy of the fits. A time of validity
+/// stated in the log itself (`stated`) is accepted unless contradicted by the data, in which case the difference is its
+/// uncertainty.
 void draft_uncertainty(Study& study, const char* key, const std::optional<Age>& age, std::optional<double> stated) {
     const double off = stated && age ? std::abs(age->value - *stated) : 0.0;
     constexpr double doubtful = 2.0;  // sigmas
     if (stated && !(age && off > doubtful * age->sigma)) return;
-    constexpr double least = 0.02, most = 0.15;  // s: what two fits of one log differ by, and what receivers are late by
+    constexpr double least = 0.02, most = 0.15;  // s: difference between two fits of one log, and typical receiver latency
     const bool stays = stated && !significant(off, age->sigma);
     const double sigma = std::clamp(!age ? most : stays ? std::max(off, age->sigma) : age->sigma, least, most);
     study.draft.set(
@@ -114,20 +114,20 @@ void draft_uncertainty(Study& study, const char* key, const std::optional<Age>& 
         age ? "one sigma of it; the filter estimates what is left" : "it could not be measured; the filter looks for it", true);
 }
 
-/// `apart`: the data show a velocity with a latency of its own.
+/// `apart`: the data show a separate latency of the velocity.
 void draft_uncertainties(Study& study, const Ages& ages, bool apart) {
     const Given& given = study.given;
     const auto stated = [](bool is_stated, double age) { return is_stated ? std::optional(age) : std::nullopt; };
     if (!given.latency)
         draft_uncertainty(study, "latency_std_s", ages.position, stated(study.states_position_age, study.position_age));
-    // Who gives the one latency means both, unless the data show otherwise.
+    // A single given latency applies to both, unless the data show otherwise.
     if (study.gnss.has_velocity() && !given.velocity_latency && (!given.latency || apart))
         draft_uncertainty(study, "velocity_latency_std_s", ages.velocity, stated(study.states_velocity_age, study.velocity_age));
 }
 
-/// A given latency counts on top of what the log states: the data may show that it is counted twice, or wrong. Beyond doubt they are
-/// believed; else the given one is used, and the filter has the difference for its sigma. Returns what is used.
-/// @param otherwise what would be used had nothing been given, and nothing been measured
+/// A given latency is added to the ages stated in the log: the data may show that it is counted twice, or wrong. Beyond doubt the
+/// data are used; else the given value, with the difference as sigma for the filter. Returns the value used. @param otherwise
+/// value used if nothing had been given or measured
 double check_given(Study& study, const char* key, double given, const std::optional<Age>& age, double stated, bool is_stated,
                    double otherwise) {
     if (!age || !significant(age->value - stated - given, age->sigma)) return given;
@@ -149,7 +149,7 @@ double check_given(Study& study, const char* key, double given, const std::optio
         study.contradicts(full, text);
         return given;
     }
-    // as if nothing had been given
+    // as if not given
     if (significant(shown - otherwise, age->sigma)) {
         study.refutes(full, text, FactValue(rounded(shown)), age->sigma);
         return shown;
@@ -211,7 +211,7 @@ void judge_latency(Study& study) {
             : draft_latency(study, "latency_s", ages.position, study.position_age, study.states_position_age, 0.0);
     double used_velocity = used;
     if (study.gnss.has_velocity()) {
-        // Against the position is the sharper comparison, where the position is where it is taken to be.
+        // The comparison with the position is more accurate, if the latency of the position is confirmed.
         std::optional<Age> velocity = ages.velocity;
         const double position = study.position_age + used;
         if (ages.relative && ages.position && std::abs(ages.position->value - position) < 1.5 * ages.position->sigma) {
@@ -224,8 +224,8 @@ void judge_latency(Study& study) {
                                                              study.velocity_age, study.states_velocity_age, used)
                                                : draft_latency(study, "velocity_latency_s", velocity, study.velocity_age,
                                                                study.states_velocity_age, used);
-        // One solution gives all three components. Receivers filter the vertical more than the horizontal, never less: a vertical
-        // velocity that seems earlier is a period of steps or waves off.
+        // All three components come from one solution. Receivers filter the vertical more than the horizontal, never less: a
+        // vertical velocity that appears earlier is off by a period of steps or waves.
         if (ages.velocity_down && ages.velocity_down->value < study.velocity_age + used_velocity) ages.velocity_down.reset();
         draft_latency(study, "velocity_down_latency_s", ages.velocity_down, study.velocity_age, study.states_velocity_age,
                       used_velocity);

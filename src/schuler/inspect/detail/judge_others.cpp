@@ -13,7 +13,7 @@
 namespace schuler::inspect::detail {
 namespace {
 
-// Heights of the barometer, from pressure where that is what is logged.
+// Heights of the barometer, converted from pressure if that is logged.
 std::vector<double> baro_heights(const LoadedFile& file) {
     if (file.has("height_m")) return file["height_m"];
     std::vector<double> heights;
@@ -45,7 +45,7 @@ void compare_with_gnss(Study& study, const LoadedFile& file, const std::vector<d
                                          offset, spread));
 }
 
-// A reference on another axis than the data: whole weeks where seconds of the week meet dated times.
+// A reference on a different axis than the data: an offset of whole weeks between seconds of the week and dated times.
 void place_in_time(Study& study, const LoadedFile& file) {
     const LoadedFile* main = study.gnss_file != nullptr ? study.gnss_file : study.imu_file;
     if (main == nullptr || study.dated_fixes_move()) return;
@@ -121,7 +121,7 @@ void judge_mag(Study& study) {
     study.found("mag.norm", fmt::format("{:.1f} uT, one sigma {:.1f} uT, 98 % in {:.1f} to {:.1f} uT", mean, sigma, low, high),
                 0.95, "norm of the three axes; the Earth's field has 22 to 67 uT");
     const bool strength = mean > 20.0 && mean < 70.0, steady = share < 0.07;
-    // the attitude filters weigh every sample; a navigation filter is better off without a disturbed magnetometer
+    // the attitude filters weight every sample; a navigation filter is better without a disturbed magnetometer
     const bool weighed = study.given.weighs_field || study.gnss_file == nullptr;
     const char* fate = weighed ? "its samples weigh the less until then" : "left out until then";
     if (!strength) {
@@ -185,7 +185,7 @@ void judge_reference(Study& study) {
     }
     place_in_time(study, file);
     if (!study.reference.empty() && study.mounting.forward_from == ForwardFrom::Travel && study.still.any()) {
-        // Level at rest by the accelerometers against the log's roll and pitch.
+        // Level at rest from the accelerometers compared with the log's roll and pitch.
         const Eigen::Vector3d f_b = study.mounting.C_bs * study.still.f;
         const double roll_deg = std::atan2(-f_b.y(), -f_b.z()) * 57.29577951308232,
                      pitch_deg = std::atan2(f_b.x(), std::hypot(f_b.y(), f_b.z())) * 57.29577951308232;

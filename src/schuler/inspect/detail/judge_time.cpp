@@ -65,7 +65,7 @@ std::vector<GnssFix> gnss_fixes(const LoadedFile& file) {
         GnssFix fix;
         fix.time = Time{file.time_ns[i]};
         const Eigen::Vector3d p = file.vector("lat_deg", "lon_deg", "height_m", i);
-        if (p.x() == 0.0 && p.y() == 0.0) continue;  // what receivers write before their first fix
+        if (p.x() == 0.0 && p.y() == 0.0) continue;  // written by receivers before their first fix
         fix.position = {p.x() * units::deg, p.y() * units::deg, p.z()};
         fix.velocity_n = file.vector("vel_n_m_s", "vel_e_m_s", "vel_d_m_s", i);
         if (!file.fix.empty()) fix.fix = file.fix[i];
@@ -83,7 +83,7 @@ void check_overlap(Study& study) {
     };
     double shared = common(0.0);
     if (shared <= 0.0 && gnss.start_s > week && std::abs(imu.start_s) < 1.1 * week) {
-        // Seconds of the week against dated times: whole weeks lie between.
+        // Seconds of the week and dated times differ by whole weeks.
         const double weeks = std::floor(gnss.start_s / week) * week;
         if (common(weeks) > 0.0) {
             study.imu_shift = weeks;

@@ -1,4 +1,4 @@
-// Raw satellite measurements, ephemerides and precise orbits: what is in them, in words.
+// Raw satellite measurements, ephemerides and precise orbits: description of their content.
 #include "schuler/core/log.h"
 #include "schuler/core/units.h"
 #include "schuler/earth/ellipsoid.h"
@@ -31,13 +31,13 @@ std::string counted(std::size_t count, const std::string& one, const std::string
 std::string satellites(std::size_t count) { return counted(count, "satellite", "satellites"); }
 
 std::string stamp(Time t) {
-    const Calendar c = utc_from_gps(t + Duration{500'000'000});  // the nearest second: receivers' clocks are late or early
+    const Calendar c = utc_from_gps(t + Duration{500'000'000});  // the nearest second: receivers' clocks are early or late
     return fmt::format("{:04}-{:02}-{:02} {:02}:{:02}:{:02}", c.year, c.month, c.day, c.hour, c.minute,
                        static_cast<int>(c.second));
 }
 std::string span(Time first, Time last) { return fmt::format("{} to {} UTC", stamp(first), stamp(last)); }
 
-/// One line a system: satellites, signals with what is measured of them, and how many satellites an epoch has.
+/// One line per system: satellites, signals with their measurements, and the number of satellites per epoch.
 void describe_systems(const gnss::ObservationLog& log, std::vector<std::string>& out) {
     struct Seen {
         std::set<std::uint8_t> numbers;
@@ -71,7 +71,7 @@ void describe_systems(const gnss::ObservationLog& log, std::vector<std::string>&
     }
 }
 
-/// Ephemerides of one system; times are those of reference.
+/// Ephemerides of one system; times are reference times.
 struct Ephemerides {
     std::set<std::uint8_t> numbers;
     std::size_t count = 0;
@@ -107,7 +107,7 @@ void describe_navigation(const gnss::Navigation& n, std::vector<std::string>& ou
     if (n.leap_seconds) out.push_back(fmt::format("leap seconds: {}", *n.leap_seconds));
 }
 
-/// As `process` does: what contradicts itself is not used there.
+/// As in `process`: contradictory ephemerides are not used there.
 void tell_contradictions(const gnss::Navigation& n, LoadedFile& file) {
     const gnss::BroadcastSource used(n);
     std::string names;
@@ -121,7 +121,7 @@ std::string described(const Ecef& place) {
                        g.lon / units::deg, g.h);
 }
 
-/// Where the receiver was: as the header says, or by ranges of the first epoch that can be solved.
+/// Position of the receiver: from the header, or from ranges of the first epoch that can be solved.
 void describe_place(const io::RawInput& raw, std::vector<std::string>& out) {
     const gnss::ObservationLog& log = raw.observations;
     if (log.approximate.r.allFinite() && log.approximate.r.norm() > 1e6) {
@@ -131,7 +131,7 @@ void describe_place(const io::RawInput& raw, std::vector<std::string>& out) {
     if (raw.navigation.size() == 0) return;
     const gnss::BroadcastSource source(raw.navigation);
     gnss::SinglePoint solver(source, gnss::broadcast_ionosphere(raw.navigation), {});
-    // ephemerides take half a minute to arrive
+    // ephemerides take half a minute to be received
     constexpr std::size_t tries = 60;
     const std::size_t step = std::max<std::size_t>(1, log.epochs.size() / tries);
     for (std::size_t i = 0; i < log.epochs.size(); i += step) {
@@ -169,7 +169,7 @@ bool read_raw(LoadedFile& file, io::RawFormat format) {
     try {
         raw = io::read_raw_input(file.path, {}, log);
     } catch (const Error&) {
-        // logs of sentences with a few binary messages between them
+        // logs of sentences with a few binary messages in between
         if (format == io::RawFormat::Ubx && io::is_nmea(io::TextInput(file.path))) return false;
         file.report.kind = kinds[static_cast<std::size_t>(format)];
         throw;

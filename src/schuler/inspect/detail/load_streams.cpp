@@ -1,4 +1,4 @@
-// Instruments of logs that room io reads as a whole: containers, receivers' solutions.
+// Instruments in logs read as a whole by room io: containers, receivers' solutions.
 #include "schuler/core/log.h"
 #include "schuler/inspect/detail/recognise.h"
 
@@ -10,7 +10,7 @@
 namespace schuler::inspect::detail {
 namespace {
 
-/// What the columns of a stream mean, found as those of a table are.
+/// Meaning of the columns of a stream, determined as for a table.
 io::ColumnPlan plan_of(const io::Stream& stream, const std::string& time_name, const ReadAs& as) {
     io::TableLayout layout;
     layout.names.push_back(time_name);
@@ -145,7 +145,7 @@ LoadedFile load_given_stream(const std::filesystem::path& path, const std::strin
         WarningLog log;
         const io::StreamLog streams = format->read(io::TextInput(where.file), log);
         const io::Stream* stream = streams.find(where.stream);
-        if (stream == nullptr || stream->kind != as.kind) return file;  // its loader says what is wrong
+        if (stream == nullptr || stream->kind != as.kind) return file;  // the loader reports the error
         file.report.kind = io::name_of(stream->kind);
         take_stream(file, *stream, streams.clock);
         for (const std::string& warning : log.summary()) file.problem(Level::Warning, warning, "");

@@ -15,7 +15,7 @@
 namespace schuler::inspect::detail {
 namespace {
 
-// What a plan asks the table reader for: the time first, then every other matched column.
+// Fields requested from the table reader: the time first, then every other matched column.
 std::vector<io::FieldRequest> requests_of(const io::ColumnPlan& plan) {
     std::vector<io::FieldRequest> requests;
     const auto add = [&](const io::ColumnMatch& match) {
@@ -38,7 +38,7 @@ std::vector<io::FieldRequest> requests_of(const io::ColumnPlan& plan) {
     return requests;
 }
 
-// A column being filled; `slot` is its place among the requests.
+// A column being filled; `slot` is its index among the requests.
 struct Sink {
     std::size_t slot;
     io::FieldKind kind;
@@ -118,7 +118,7 @@ void read_table(LoadedFile& file, const io::TableLayout& layout) {
                     const std::int64_t t = reader.time_ns(sink.slot);
                     sink.values->push_back(t == io::TableReader::no_time ? missing : static_cast<double>(t - ns) * 1e-9);
                 } else {
-                    const double x = reader.number(sink.slot);  // what no unit explains is an accident
+                    const double x = reader.number(sink.slot);  // a value not explained by any unit is an outlier
                     sink.values->push_back(std::abs(x) < 1e15 ? x : missing);
                 }
             }
@@ -211,7 +211,7 @@ void report_missing_values(LoadedFile& file) {
 
 namespace {
 
-/// The readers leave such rows out; here they are told before a run.
+/// The readers omit such rows; here they are reported before a run.
 void drop_strays(LoadedFile& file) {
     const io::TimeRepair repair = io::repair_times(file.time_ns);
     if (repair.rollovers > 0) {

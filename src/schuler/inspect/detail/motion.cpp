@@ -15,8 +15,8 @@ double median_step(const std::vector<double>& t) {
     return steps.empty() ? 0.0 : median(std::move(steps));
 }
 
-/// White noise of the horizontal positions, one sigma of an axis, m: from third differences, in which steady motion and steady acceleration do
-/// not show.
+/// White noise of the horizontal positions, one sigma per axis, m: from third differences, which are free of constant velocity
+/// and acceleration.
 double position_noise(const GnssSeries& s) {
     std::vector<double> squares;
     for (std::size_t k = 3; k < s.size(); ++k) {
@@ -27,7 +27,7 @@ double position_noise(const GnssSeries& s) {
     return squares.size() < 10 ? 0.0 : std::sqrt(median(std::move(squares)) / median_of_two / 20.0);
 }
 
-/// The fewest neighbours whose slope is a speed to a decimetre a second; no further than 5 s.
+/// The smallest number of neighbours whose slope gives a speed to a decimetre per second; within 5 s.
 int reach_of(const GnssSeries& s) {
     constexpr double wanted = 0.12, farthest = 5.0;  // m/s, s
     const double noise = position_noise(s);
@@ -108,7 +108,7 @@ GnssSeries gnss_series(const std::vector<GnssFix>& fixes, Time origin) {
         s.reach = reach_of(s);
         return s;
     }
-    // A few epochs without velocity are left out as a whole: the studies want one time axis.
+    // A few epochs without velocity are omitted completely: the studies require one time axis.
     std::size_t kept = 0;
     for (std::size_t k = 0; k < s.size(); ++k) {
         if (!has(s.v[k])) continue;

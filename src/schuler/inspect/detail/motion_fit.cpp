@@ -14,8 +14,8 @@
 namespace schuler::inspect::detail {
 namespace {
 
-constexpr double sigma_horizontal = 0.1;        // m/s, weights of the rows against the priors
-constexpr double sigma_down = 0.3;              // m/s: the vertical channel may have a lag of its own
+constexpr double sigma_horizontal = 0.1;        // m/s, weights of the rows relative to the priors
+constexpr double sigma_down = 0.3;              // m/s: the vertical channel may have a separate lag
 constexpr double sigma_accel_bias = 0.15;       // m/s^2 about the median of all windows
 constexpr double sigma_gyro_bias = 0.004;       // rad/s likewise
 constexpr double sigma_gyro_bias_first = 0.06;  // rad/s in the first pass: uncalibrated MEMS
@@ -33,7 +33,7 @@ struct Observation {
 struct Window {
     std::vector<Observation> seen;
     std::size_t imu_first = 0, imu_last = 0;
-    double origin = 0.0;  // s, where the model's time is zero
+    double origin = 0.0;  // s, zero of the model's time
     Eigen::Matrix3d C_ns0 = Eigen::Matrix3d::Identity();
     Unknowns x = Unknowns::Zero();  // v0 and biases; the attitude part stays zero
     double heading_sigma = 1e9;     // rad
@@ -106,7 +106,7 @@ public:
     WindowModel(const ImuSeries& imu, const Window& w, double gravity)
         : window_(w), path_(imu, w.imu_first, w.imu_last, w.x.segment<3>(at_gyro), w.x.segment<3>(at_accel)), gravity_(gravity) {}
 
-    // The integrals that an observation sees at a lag; the mean over the interval by Simpson's rule for displacements.
+    // The integrals for an observation at a given lag; for displacements the mean over the interval by Simpson's rule.
     [[nodiscard]] Preintegral seen_by(const Observation& o, double lag) const {
         const double a = o.begin - lag, b = o.end - lag;
         if (b <= a) return path_.at(a);
@@ -137,7 +137,7 @@ private:
     double gravity_;
 };
 
-// Attitude that best turns the centred integrals into the centred velocities freed of gravity (Kabsch, Acta Cryst. A32, 1976).
+// Attitude that best rotates the centred integrals into the centred velocities without gravity (Kabsch, Acta Cryst. A32, 1976).
 void start_attitude(const WindowModel& model, Window& w, double lag, double gravity) {
     Eigen::Vector3d mean_u = Eigen::Vector3d::Zero(), mean_v = Eigen::Vector3d::Zero();
     std::vector<Eigen::Vector3d> us, vs;
@@ -202,8 +202,8 @@ struct Curves {
     std::vector<double> horizontal, down;
 };
 
-// Sum of squared residuals of the rest of a straight line: what is left of the vertical channel when its start velocity and
-// a constant error of acceleration are free.
+// Sum of squared residuals of a straight line: the remainder of the vertical channel with free initial velocity and constant
+// acceleration error.
 double squares_about_line(const std::vector<double>& t, const std::vector<double>& y) {
     double n = 0, st = 0, sy = 0, stt = 0, sty = 0, syy = 0;
     for (std::size_t i = 0; i < t.size(); ++i) {
@@ -242,7 +242,7 @@ Curves scan(const ImuSeries& imu, const Window& w, const Prior& prior, double gr
         curves.horizontal.push_back(sum);
         curves.down.push_back(squares_about_line(t, down));
     }
-    // Each window speaks in units of its own residual, so that one bad stretch does not outvote the others.
+    // Each window is normalised by its own residual, so that one bad interval does not dominate.
     const auto normalise = [&](std::vector<double>& curve, double floor) {
         const double lowest = *std::min_element(curve.begin(), curve.end());
         const double unit =
@@ -335,7 +335,7 @@ MotionFit fit_motion(const ImuSeries& imu, const GnssSeries& gnss, FitSource sou
         w.rms = std::sqrt(sum / static_cast<double>(w.seen.size()));
         rms.push_back(w.rms);
         motion.push_back(w.motion);
-        // The row sigma is a guess: the residuals correct what the heading is known to.
+        // The row sigma is an assumption: the residuals correct the heading uncertainty.
         if (w.heading_sigma * std::max(0.3, w.rms / sigma_horizontal) < 0.05) {
             collect_pointings(imu, w, lag, gravity, fit);
         }

@@ -14,7 +14,7 @@
 namespace schuler::inspect::detail {
 namespace {
 
-constexpr double concentrated = 8.0 * units::deg;  // one sigma of the travel about one direction: a vehicle with a nose
+constexpr double concentrated = 8.0 * units::deg;  // one sigma of the travel about one direction: a vehicle with a forward axis
 constexpr int enough_epochs = 30;
 
 std::string word_for(const Eigen::Vector3d& body_direction) {
@@ -32,7 +32,7 @@ std::string axes_text(const Eigen::Matrix3d& C_bs) {
     return "x=" + x + ", y=" + y + ", z=" + z;
 }
 
-// The permutation with signs of determinant +1 that is nearest to a rotation (largest trace of the product).
+// The signed permutation of determinant +1 nearest to a rotation (largest trace of the product).
 Eigen::Matrix3d nearest_axes(const Eigen::Matrix3d& C) {
     Eigen::Matrix3d best = Eigen::Matrix3d::Identity();
     double best_trace = -4.0;
@@ -64,7 +64,7 @@ Eigen::Matrix3d C_bs_from(const Eigen::Vector3d& forward_s, const Eigen::Vector3
     return C_bs;
 }
 
-// Forward supposed where only the vertical is known: the sensor's x, or its z where x is the vertical one.
+// Assumed forward if only the vertical is known: the sensor's x, or its z if x is vertical.
 Eigen::Matrix3d supposed_axes(const Eigen::Vector3d& down_s) {
     int axis = 0;
     down_s.cwiseAbs().maxCoeff(&axis);
@@ -144,7 +144,7 @@ AttitudeAgreement attitude_agreement(const ImuSeries& imu, const Eigen::Vector3d
     const Eigen::Vector3d handed(1, 1, UV.determinant() > 0 ? 1.0 : -1.0);
     result.C_bs = svd.matrixU() * handed.asDiagonal() * svd.matrixV().transpose();
     result.correlation = (result.C_bs.transpose() * cross).trace() / std::sqrt(seen * logged);
-    // Two axes must have moved for the third to follow.
+    // Two axes must have rotated to determine the third.
     result.found = result.correlation > 0.6 && svd.singularValues()(1) > 0.02 * svd.singularValues()(0);
     return result;
 }
@@ -158,7 +158,7 @@ Mounting mounting_of(const Eigen::Vector3d& specific_force, bool at_rest, const 
     m.vertical_angle = std::acos(std::clamp(down_s.cwiseAbs().maxCoeff(), 0.0, 1.0));
     const double vertical_sure = m.vertical_angle < 25.0 * units::deg ? (at_rest ? 1.0 : 0.9) : 0.6;
     if (travel.epochs >= enough_epochs && travel.spread < concentrated) {
-        // Banking and slopes average out in the travel's own vertical; it is used where the rest position does not say better.
+        // Banking and slopes average out in the mean vertical of the travel; used if the rest position is not more accurate.
         const Eigen::Matrix3d C_bs = C_bs_from(travel.forward_s, travel.down_s);
         m.C_bs = nearest_axes(C_bs);
         const Eigen::Matrix3d rest = C_bs * m.C_bs.transpose();  // named axes to body: C_b_from_mounted

@@ -36,7 +36,7 @@ PreintegratedPath::PreintegratedPath(const ImuSeries& imu, std::size_t first, st
         const Eigen::Vector3d f_now = R_next * (imu.f[i] - accel_bias);
         const Eigen::Vector3d f_mid = 0.5 * (f_before + f_now);
         s.u += dt * f_mid;
-        // d(u)/d(gyro bias): a rotation error -(A b) turns R f by -(A b) x R f = [R f x] A b.
+        // d(u)/d(gyro bias): a rotation error -(A b) rotates R f by -(A b) x R f = [R f x] A b.
         s.u_by_gyro_bias += dt * math::skew(f_mid) * (0.5 * (angle_by_bias + angle_next));
         s.u_by_accel_bias -= dt * R_mid;
         R = math::orthonormalised(R_next);

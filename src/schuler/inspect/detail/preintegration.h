@@ -1,4 +1,4 @@
-// Specific force integrated in the sensor axes of a start sample, with its derivatives by the biases.
+// Specific force integrated in the sensor axes of a start sample, with its derivatives with respect to the biases.
 #pragma once
 
 #include "schuler/inspect/detail/motion.h"
@@ -18,12 +18,12 @@ struct Preintegral {
     void add(const Preintegral& other, double weight);
 };
 
-/// The integrals at every IMU sample of a stretch, for one pair of biases (rad/s, m/s^2), and between samples.
+/// The integrals at every IMU sample of an interval, for one pair of biases (rad/s, m/s^2), and between samples.
 class PreintegratedPath {
 public:
     PreintegratedPath(const ImuSeries& imu, std::size_t first, std::size_t last, const Eigen::Vector3d& gyro_bias,
                       const Eigen::Vector3d& accel_bias);
-    /// Linear between samples; held at the ends.
+    /// Linear between samples; constant beyond the ends.
     [[nodiscard]] Preintegral at(double t) const;
     /// R at the last sample not after t.
     [[nodiscard]] const Eigen::Matrix3d& rotation_at(double t) const;

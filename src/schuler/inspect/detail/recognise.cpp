@@ -37,7 +37,7 @@ bool ascending(const std::vector<double>& values) {
     return values.size() >= 2;
 }
 
-// Are these columns latitude, longitude (deg) and height of a place on Earth?
+// True if these columns are latitude, longitude (deg) and height of a position on the Earth.
 bool is_place(const std::vector<std::vector<double>>& c, std::size_t at) {
     const double lat = median(c[at]), lon = median(c[at + 1]), h = median(c[at + 2]);
     const bool steady =
@@ -45,7 +45,7 @@ bool is_place(const std::vector<std::vector<double>>& c, std::size_t at) {
     return steady && std::abs(lat) > 0.5 && std::abs(lat) <= 90.0 && std::abs(lon) <= 360.0 && h > -1000.0 && h < 60000.0;
 }
 
-// Four columns beside each other are a unit quaternion: an attitude, whatever else the numbers could be.
+// Four adjacent columns are a unit quaternion: an attitude, whatever else the numbers could be.
 bool has_rotation(const std::vector<std::vector<double>>& c) {
     for (std::size_t first = 1; first + 4 <= c.size(); ++first) {
         bool unit = true;
@@ -57,7 +57,7 @@ bool has_rotation(const std::vector<std::vector<double>>& c) {
     return false;
 }
 
-// The rates of an instrument that is carried about: neither positions nor angles that grow.
+// True for rates of a portable instrument: neither positions nor growing angles.
 bool could_be_rates(const std::vector<std::vector<double>>& c, double step, bool increments) {
     constexpr double fastest = 35.0;  // rad/s, 2000 deg/s
     constexpr double as_degrees = 57.3;
@@ -73,13 +73,13 @@ void name_columns(LoadedFile& file, std::initializer_list<const char*> names) {
         match.canonical = name;
         match.file_name = fmt::format("#{}", column + 1);
         match.column = column++;
-        match.unit_stated = true;  // judged by value where it matters
+        match.unit_stated = true;  // checked by value if relevant
         file.plan.matches.push_back(match);
         file.column_map[name] = match.file_name;
     }
 }
 
-// Tables of numbers without a header line: the formats of the KF-GINS program and its kind, by value.
+// Tables of numbers without a header line: the formats of the KF-GINS program and similar ones, by value.
 bool recognise_without_header(LoadedFile& file, const io::TableLayout& layout) {
     const std::vector<std::vector<double>> c = sample_columns(layout);
     if (c.size() < 7 || !ascending(c[0])) return false;
@@ -129,7 +129,7 @@ bool recognise_without_header(LoadedFile& file, const io::TableLayout& layout) {
     return false;
 }
 
-/// Which columns a kind of table would still need, for files that nearly are one: that kind, and how to say so.
+/// Columns missing from a kind of table, for files that nearly match one: that kind, and its description.
 std::pair<std::string, std::string> nearly(const io::TableLayout& layout) {
     std::string best, best_kind;
     std::size_t fewest = 4;
@@ -156,7 +156,7 @@ std::pair<std::string, std::string> nearly(const io::TableLayout& layout) {
     return {best_kind, best};
 }
 
-/// The role is given; a file that lacks what the role needs is left to the reader of that role, which says what it lacks.
+/// The role is given; missing columns are reported by the reader of that role.
 void read_as_said(LoadedFile& file, const io::TableLayout& layout) {
     file.plan = io::match_columns(layout, *file.as.kind, file.as.overrides);
     const auto has = [&](const char* name) { return file.plan.find(name) != nullptr; };
@@ -173,7 +173,7 @@ void read_as_said(LoadedFile& file, const io::TableLayout& layout) {
     judge_time_unit(file, layout);
 }
 
-/// Speed by wheels, or heading, by the names of the interface: these logs have no others.
+/// Wheel speed, or heading, by the names of the interface: these logs have no other names.
 bool recognise_plain_aid(LoadedFile& file, const io::TableLayout& layout) {
     const auto is = [&](const char* value, const char* sigma) {
         const auto known = [&](const std::string& name) { return name == "time_s" || name == value || name == sigma; };
@@ -194,7 +194,7 @@ bool recognise_plain_aid(LoadedFile& file, const io::TableLayout& layout) {
     return true;
 }
 
-/// The format of several instruments that files of this extension usually are of.
+/// The format of several instruments usual for files of this extension.
 const io::Format* format_by_name(const std::string& extension) {
     if (extension.empty() || extension == ".log" || extension == ".txt" || extension == ".bin" || extension == ".out")
         return nullptr;  // of anything
@@ -231,12 +231,12 @@ void recognise_table(LoadedFile& file) {
     file.table = io::guess_table_kind(layout);
     const auto has_blank = [](const std::vector<std::string>& row) { return std::ranges::any_of(row, &std::string::empty); };
     if (!file.table && std::ranges::any_of(layout.sample, has_blank)) {
-        // Columns that are blank in the first rows (a marker not yet seen) count as well.
+        // Columns that are blank in the first rows (a marker not yet seen) are included.
         layout.sample.clear();
         file.table = io::guess_table_kind(layout);
     }
     if (file.table ==
-        io::TableKind::Baro) {  // heights beside a half of the position are those of fixes whose other half is not known
+        io::TableKind::Baro) {  // heights with half of a position are those of fixes whose other half is unrecognised
         const io::ColumnPlan fixes = io::match_columns(layout, io::TableKind::Gnss);
         if ((fixes.find("lat_deg") != nullptr) != (fixes.find("lon_deg") != nullptr)) file.table.reset();
     }
@@ -269,11 +269,11 @@ void judge_time_unit(LoadedFile& file, const io::TableLayout& layout) {
         const double step = static_cast<double>(file.time_ns[i] - file.time_ns[i - 1]) * 1e-9;
         if (step > 0.0) steps.push_back(step);
     }
-    // Instruments sample every 0.1 ms to 2 s: a median "step" of 10 is 10 ms and one of 10000 is 10 ms in microseconds.
+    // Instruments sample every 0.1 ms to 2 s: a median interval of 10 is 10 ms and one of 10000 is 10 ms in microseconds.
     const double step = steps.empty() ? 0.0 : median(std::move(steps));
     const bool slow = file.table == io::TableKind::Gnss || file.table == io::TableKind::Reference;
     const bool fast =
-        file.table == io::TableKind::Imu;  // four samples a second at least: 250 is 250 us and no quarter of a second
+        file.table == io::TableKind::Imu;  // at least four samples per second: 250 is 250 us and not a quarter of a second
     io::TimeUnit unit = io::TimeUnit::Seconds;
     if (step >= (slow ? 40.0 : 2.5)) unit = io::TimeUnit::Milliseconds;
     if (step >= (slow ? 20'000.0 : fast ? 250.0 : 1'200.0)) unit = io::TimeUnit::Microseconds;
@@ -306,7 +306,7 @@ void recognise_and_read(LoadedFile& file) {
     if (raw != io::RawFormat::None && read_raw(file, raw)) return;
     const io::Format* format = io::format_of(file.path);
     if (format != nullptr && format->name == "ubx" && raw == io::RawFormat::Ubx)
-        format = io::format_named("nmea");  // better read so
+        format = io::format_named("nmea");  // the better format
     if (head.bytes.substr(0, 200).find("RINEX VERSION") != std::string::npos) {
         file.report.kind = "rinex";
         file.problem(Level::Info, "RINEX of another kind than observations and navigation", "");

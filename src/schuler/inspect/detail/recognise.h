@@ -1,4 +1,4 @@
-// What kind of file this is, by its content.
+// Recognition of the kind of a file from its content.
 #pragma once
 
 #include "schuler/inspect/detail/loaded_file.h"
@@ -11,31 +11,31 @@ namespace schuler::inspect::detail {
 /// Sets kind, table, plan and columns of a file whose path is given, and reads its rows. @throws Error for unreadable content
 void recognise_and_read(LoadedFile& file);
 
-/// Reads the rows of a table whose plan is known into the file; problems of rows are reported, not thrown.
+/// Reads the rows of a table with a known plan into the file; problems of rows are reported, not thrown.
 void read_table(LoadedFile& file, const io::TableLayout& layout);
 
-/// How a file was recognised and what its columns were taken for, a line each.
+/// How a file was recognised and its columns interpreted, one line each.
 [[nodiscard]] std::vector<std::string> explained_columns(const LoadedFile& file);
 
-/// Takes the columns of a stream.
+/// Takes over the columns of a stream.
 void take_stream(LoadedFile& file, const io::Stream& stream, io::Clock clock);
-/// Reads a file that is one log of its own format: RTKLIB .pos, NMEA.
+/// Reads a file that is a single log of its format: RTKLIB .pos, NMEA.
 void read_one_stream(LoadedFile& file, const io::Format& format);
-/// Every stream of a log of several, named "FILE#STREAM"; the log itself with what is wrong with it where it cannot be read. Never throws on content.
+/// All streams of a log, named "FILE#STREAM"; the log itself with its error if it cannot be read. Never throws on content.
 [[nodiscard]] std::vector<LoadedFile> load_streams(const std::filesystem::path& path, const std::string& name,
                                                    const io::Format& format);
-/// A stream whose role is given; without a role where it is not there.
+/// A stream with a given role; without a role if it does not exist.
 [[nodiscard]] LoadedFile load_given_stream(const std::filesystem::path& path, const std::string& name, const ReadAs& as);
 
-/// Says what raw measurements or ephemerides hold; times are those of the epochs. False where the file is better read as NMEA.
+/// Describes the content of raw measurements or ephemerides; times are those of the epochs. False if the file is rather NMEA.
 [[nodiscard]] bool read_raw(LoadedFile& file, io::RawFormat format);
 
-/// Likewise for precise orbits (SP3).
+/// The same for precise orbits (SP3).
 void read_precise_orbits(LoadedFile& file);
-/// Extended squitters of 1090 MHz: how many, and which senders stay where they are.
+/// Extended squitters of 1090 MHz: their number, and the stationary senders.
 void read_squitters(LoadedFile& file);
 
-/// Times of the rows are judged by their steps: a unit other than the one assumed by name or size, where the rate were absurd.
+/// Checks the time unit by the intervals: selects another unit than that from name or magnitude if the rate would be absurd.
 void judge_time_unit(LoadedFile& file, const io::TableLayout& layout);
 
 }  // namespace schuler::inspect::detail

@@ -1,4 +1,4 @@
-// Order statistics that a few wild samples do not move.
+// Order statistics insensitive to a few outliers.
 #pragma once
 
 #include "schuler/math/quantile.h"
@@ -14,8 +14,8 @@ using math::quantile;
 /// 1.4826 times the median distance from the median: the standard deviation of a normal distribution. NaN if there are none.
 [[nodiscard]] double robust_sigma(const std::vector<double>& values);
 
-/// The lowest point of a sampled curve by a parabola through the smallest sample and its neighbours. At an end of the curve the
-/// end itself, with `inside` false.
+/// The minimum of a sampled curve by a parabola through the smallest sample and its neighbours. At an end of the curve the end
+/// itself, with `inside` false.
 struct Minimum {
     double at = 0.0;
     double value = 0.0;
@@ -23,12 +23,12 @@ struct Minimum {
 };
 [[nodiscard]] Minimum lowest_point(double first, double step, std::span<const double> values);
 
-/// Lowest point of a sum of curves, one per independent stretch of data, with the jackknife standard deviation over stretches
-/// (Efron and Stein, Ann. Statist. 9(3), 1981, eq. (1.4): leaving out one stretch at a time). Needs at least 3 stretches.
+/// Minimum of a sum of curves, one per independent interval of data, with the jackknife standard deviation over the intervals
+/// (Efron and Stein, Ann. Statist. 9(3), 1981, eq. (1.4): omitting one interval at a time). Requires at least 3 intervals.
 struct Agreement {
     double at = 0.0;
     double sigma = 0.0;
-    double contrast = 0.0;  ///< (mean of the curve - its lowest value) / lowest value: how deep the valley is
+    double contrast = 0.0;  ///< (mean of the curve - its minimum) / minimum: depth of the minimum
     int stretches = 0;
     bool found = false;
 };

@@ -15,7 +15,7 @@ struct Second {
     std::size_t first, last;  // half-open range of samples
     Eigen::Vector3d w_mean, f_mean;
     double w_std, f_std;
-    double speed = -1.0;  // largest horizontal GNSS speed about this second; negative: not known
+    double speed = -1.0;  // largest horizontal GNSS speed around this second; negative: unknown
 };
 
 std::vector<Second> seconds_of(const ImuSeries& imu) {
@@ -52,7 +52,7 @@ void add_speed(std::vector<Second>& seconds, const GnssSeries& gnss) {
     }
 }
 
-// How quiet a second must be: a few times the quietest seconds of the log, inside what a stopped engine or a rotor at idle does.
+// Required calm of a second: a few times that of the quietest seconds of the log, below a stopped engine's or an idling rotor's.
 struct Threshold {
     double w_std, f_std;
 };
@@ -75,13 +75,13 @@ StillPeriods still_periods(const ImuSeries& imu, const GnssSeries& gnss) {
     if (seconds.empty()) return result;
     add_speed(seconds, gnss);
     const Threshold quiet = threshold_of(seconds);
-    // Receivers report a few decimetres a second at rest; position-only logs more.
+    // Receivers report a few decimetres per second at rest; position-only logs more.
     const double still_speed = gnss.has_velocity() ? 0.25 : 0.5;
     std::vector<const Second*> still;
     for (const Second& s : seconds) {
         const bool stopped = s.speed >= 0.0 && s.speed < still_speed;
         const bool moving = s.speed >= still_speed;
-        // A receiver that says "stopped" makes vibration of a running engine believable.
+        // Zero speed of the receiver makes the vibration of a running engine acceptable.
         const double ease = stopped ? 2.0 : 1.0;
         if (!moving && s.w_std < ease * quiet.w_std && s.f_std < ease * quiet.f_std) still.push_back(&s);
     }
@@ -96,7 +96,7 @@ StillPeriods still_periods(const ImuSeries& imu, const GnssSeries& gnss) {
         return w;
     };
     const Eigen::Vector3d rate = median_rate();
-    std::erase_if(still, [&](const Second* s) { return (s->w_mean - rate).norm() > 0.01; });  // a steady slow turn is not rest
+    std::erase_if(still, [&](const Second* s) { return (s->w_mean - rate).norm() > 0.01; });  // a slow constant turn is not rest
 
     std::vector<const Second*> kept, run, longest;
     const auto close = [&] {

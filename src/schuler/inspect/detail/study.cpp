@@ -51,10 +51,10 @@ void draft_columns(Study& study, const std::string& section, const LoadedFile& f
                                                                             file.as.overrides.scale.at(key), factor, reason));
             return;
         }
-        scale[key] = std::stod(fmt::format("{:.10g}", factor));  // as it is written
+        scale[key] = std::stod(fmt::format("{:.10g}", factor));  // as written
         if (why.find(reason) == std::string::npos) why += (why.empty() ? "" : "; ") + reason;
     };
-    // of a data set that is described, a name that states a wrong unit is for its owner to mend: the run refuses it
+    // in a described data set, a name with a wrong unit must be corrected by the user: the run rejects it
     for (const UnitChange& unit : units)
         if (!unit.against_name || study.given.find_logs || file.as.overrides.scale.contains(unit.key))
             add(unit.key, unit.factor, fmt::format("{} {}: {}", unit.unit, how_sure(unit.confidence), unit.why));

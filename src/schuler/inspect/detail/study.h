@@ -1,4 +1,4 @@
-// What the judges of one data set share: the files chosen, the series made of them, and what has been found so far.
+// Data shared by the judge functions of one data set: the selected files, their series, and the findings so far.
 #pragma once
 
 #include "schuler/inspect/detail/draft.h"
@@ -18,27 +18,27 @@ namespace schuler::inspect::detail {
 struct Study {
     Given given;
     std::vector<LoadedFile> files;
-    LoadedFile* imu_file = nullptr;  ///< point into `files`; null where there is none
+    LoadedFile* imu_file = nullptr;  ///< pointers into `files`; null if absent
     LoadedFile* gnss_file = nullptr;
     LoadedFile* baro_file = nullptr;
     LoadedFile* mag_file = nullptr;
     LoadedFile* reference_file = nullptr;
 
-    Time origin;  ///< of the series' seconds
+    Time origin;  ///< of the seconds in the series
     ImuSeries imu;
     GnssSeries gnss;
     std::vector<ReferenceSample> reference;
-    double imu_shift = 0.0;    ///< s that were added to the IMU's times to meet the GNSS (whole weeks)
-    double clock_shift = 0.0;  ///< s added beyond that, by motion
-    double clock_sigma = 0.0;  ///< s; 0 of a shift that clocks are known to make
+    double imu_shift = 0.0;    ///< s added to the IMU's times to match the GNSS (whole weeks)
+    double clock_shift = 0.0;  ///< additional s, from the motion
+    double clock_sigma = 0.0;  ///< s; 0 for a known shift between clocks
     std::string clock_evidence;
-    double clock_drift = 0.0;  ///< ppm by which the IMU's clock runs fast; taken out of `imu`
+    double clock_drift = 0.0;  ///< ppm by which the IMU's clock runs fast; removed from `imu`
     double clock_drift_sigma = 0.0;
-    std::vector<ClockStep> clock_steps;  ///< taken out of `imu` and `gnss`
+    std::vector<ClockStep> clock_steps;  ///< removed from `imu` and `gnss`
     std::optional<Refusal> refusal;
-    std::vector<std::string> doubts;  ///< what was taken otherwise than written
-    double gravity = 9.80665;         ///< m/s^2, local where the position is known
-    bool overlap = false;             ///< IMU and GNSS have at least 10 s in common
+    std::vector<std::string> doubts;  ///< data interpreted differently from their description
+    double gravity = 9.80665;         ///< m/s^2, local if the position is known
+    bool overlap = false;             ///< IMU and GNSS overlap by at least 10 s
 
     StillPeriods still;
     MotionFit velocity_fit, position_fit;
@@ -48,32 +48,32 @@ struct Study {
     std::vector<UnitChange> imu_units, gnss_units, baro_units, mag_units;
     Travel travel;
     Mounting mounting;
-    bool forward_supposed = false;  ///< of a vehicle that travels, and neither the files nor the filter can show it
-    double velocity_age = 0.0, position_age = 0.0;  ///< medians of what the log's own columns state, s
+    bool forward_supposed = false;  ///< the vehicle travels, but neither the files nor the filter can determine forward
+    double velocity_age = 0.0, position_age = 0.0;  ///< medians of the values in the log's own columns, s
     bool states_velocity_age = false, states_position_age = false;
 
     std::vector<Finding> findings;
     std::vector<Problem> problems;
     std::vector<Contradiction> contradictions;
-    std::vector<Fact> stated;  ///< what the files say beside the settings of the draft
+    std::vector<Fact> stated;  ///< statements of the files other than the settings of the draft
     Draft draft;
 
     void found(std::string key, std::string value, double confidence, std::string why);
     void problem(Level level, std::string text, std::string hint = {});
     void states(std::string key, FactValue value, std::string note, Known how = Known::File);
     void contradicts(std::string key, std::string text);
-    /// Refuted beyond doubt: `better` is used, or what is used where nothing is given.
+    /// Refuted beyond doubt: `better` is used, or without it the result for a setting that is not given.
     void refutes(std::string key, std::string text, std::optional<FactValue> better, double sigma = not_given);
-    /// Whether the loader brings the dated fixes of a described data set to the axis of its other logs, instead of them to the fixes.
+    /// True if the loader converts the dated fixes of a described data set to the axis of its other logs, rather than vice versa.
     [[nodiscard]] bool dated_fixes_move() const { return !given.find_logs && gnss_file != nullptr && gnss_file->gps_time; }
     [[nodiscard]] double confidence_in(const std::string& key) const;
 };
 
-/// Each judge reads the study, adds findings, problems and lines of the draft. Order as listed.
+/// Each judge reads the study and adds findings, problems and lines of the draft. Called in the order listed.
 void judge_time(Study& study);         ///< scale, overlap, series
-void judge_clock_steps(Study& study);  ///< steps of one clock within its log; nothing without time in common, or done before
-void judge_clock(Study& study);        ///< shifts the IMU's series where the motion shows it
-void study_motion(Study& study);       ///< gyro unit, rest, fits, travel, mounting: what the others read
+void judge_clock_steps(Study& study);  ///< clock steps within one log; no effect without common time, or if already done
+void judge_clock(Study& study);        ///< shifts the IMU's series as determined from the motion
+void study_motion(Study& study);       ///< gyro unit, rest, fits, travel, mounting: input of the others
 void judge_vehicle(Study& study);      ///< rest, kind
 void judge_imu(Study& study);          ///< axes, mounting, noise, saturation
 void judge_gnss(Study& study);         ///< fixes, sigmas, height, outliers
@@ -82,22 +82,22 @@ void judge_baro(Study& study);
 void judge_mag(Study& study);
 void judge_reference(Study& study);
 
-/// Exchanges latitude and longitude where the velocities say that they are. Before the series are made.
+/// Exchanges latitude and longitude if the velocities show that they are swapped. Called before the series are formed.
 void judge_coordinates(Study& study);
-/// Turns gyros round whose signs do not belong to the accelerometers' axes, after the fit to the track. True where it did.
+/// Reverses gyros whose signs are inconsistent with the accelerometers' axes, after the fit to the track. True if it did.
 bool judge_gyro_signs(Study& study);
-/// Turns one accelerometer round where the force of turns is felt to the wrong side, or nothing fits, and it then does: axes of a mirror, which no
-/// turn of gyros mends. Likewise; before the gyros.
+/// Reverses one accelerometer if the lateral force in turns has the wrong sign, or no fit is possible, and the reversal resolves
+/// it: mirrored axes, which no reversal of gyros can correct. Same result; called before the gyros.
 bool judge_accel_signs(Study& study);
 
-/// How much of the sideways acceleration of turns, speed times turn rate, the unit feels as sideways force: 1 on wheels, 0 where the
-/// vehicle banks into its turns. Not a number where it hardly turns, or does not travel.
+/// Fraction of the lateral acceleration in turns, speed times turn rate, that the unit measures as lateral force: 1 on wheels, 0
+/// for a vehicle that banks in turns. NaN if it hardly turns, or does not travel.
 [[nodiscard]] double felt_in_turns(const Study& study);
 
-/// Whether a fit shows the lag of the GNSS behind the IMU.
+/// True if a fit determines the lag of the GNSS behind the IMU.
 [[nodiscard]] bool shows_lag(const MotionFit& fit);
 
-/// The columns and scale lines of a section, where names or units need saying.
+/// The columns and scale lines of a section, if names or units must be stated.
 void draft_columns(Study& study, const std::string& section, const LoadedFile& file, const std::vector<UnitChange>& units);
 
 }  // namespace schuler::inspect::detail

@@ -1,4 +1,4 @@
-// The common groundwork: reference samples, rest, the fits of IMU to GNSS, travel and mounting.
+// The common basis: reference samples, rest, the fits of IMU to GNSS, travel and mounting.
 #include "schuler/inspect/detail/study.h"
 
 #include "schuler/core/units.h"
@@ -15,7 +15,7 @@
 namespace schuler::inspect::detail {
 namespace {
 
-// Attitude of the reference file; quaternions of the sensor itself say nothing about a mounting and are left out.
+// Attitude of the reference file; quaternions of the sensor itself give no information about a mounting and are ignored.
 std::vector<ReferenceSample> reference_attitude(const LoadedFile& file) {
     std::vector<ReferenceSample> samples;
     if (!file.has("roll_deg") || !file.has("pitch_deg") || !file.has("heading_deg")) return samples;
@@ -30,7 +30,7 @@ std::vector<ReferenceSample> reference_attitude(const LoadedFile& file) {
 
 double median_age(const LoadedFile& file, const char* column) {
     if (!file.has(column)) return std::nan("");
-    // A time of validity of the velocity alone says nothing about the position.
+    // A time of validity of the velocity alone does not apply to the position.
     const io::ColumnMatch* whole = file.plan.find("time_valid_s");
     const io::ColumnMatch* velocity = file.plan.find("vel_time_valid_s");
     if (whole != nullptr && velocity != nullptr && whole->column == velocity->column &&
@@ -47,8 +47,8 @@ Eigen::Vector3d mean_specific_force(const ImuSeries& imu) {
 
 double angle_between(const Eigen::Matrix3d& A, const Eigen::Matrix3d& B) { return Eigen::AngleAxisd(A * B.transpose()).angle(); }
 
-/// Axes that are given are taken. Mounting angles that are given without axes count from forward-right-down, unless the data show
-/// that they count from the sensor's own axes.
+/// Given axes are used. Mounting angles given without axes refer to forward-right-down, unless the data show that they refer to
+/// the sensor's own axes.
 void take_given_axes(Study& study) {
     Mounting& m = study.mounting;
     const Given& given = study.given;
@@ -66,7 +66,7 @@ void take_given_axes(Study& study) {
     if (miss(Eigen::Matrix3d::Identity()) <= miss(m.C_bs) + 15.0 * units::deg) take_axes(m, Eigen::Matrix3d::Identity(), "frd");
 }
 
-/// The fit in short windows; where they show no lag, as with slow curves of a quiet unit, in long ones if these do.
+/// The fit in short windows; if they show no lag, as with slow curves of a low-noise unit, in long ones if these do.
 MotionFit fitted(const Study& study, FitSource source, const Eigen::Vector3d& bias, bool known) {
     MotionFit fit = fit_motion(study.imu, study.gnss, source, bias, known, study.gravity);
     if (shows_lag(fit)) return fit;
@@ -89,14 +89,14 @@ void fit_track(Study& study) {
     study.travel = travel_of(study.gnss.has_velocity() ? study.velocity_fit : study.position_fit);
 }
 
-/// Clocks of cheap loggers run some 10 to 100 ppm fast or slow: a second in some hours.
+/// Clocks of low-cost loggers run some 10 to 100 ppm fast or slow: a second in some hours.
 void take_out_drift(Study& study) {
     if (!study.overlap || study.given.has("imu.clock_drift_ppm")) return;
     const MotionFit& fit = shows_lag(study.velocity_fit) ? study.velocity_fit : study.position_fit;
     if (!shows_lag(fit)) return;
     ClockDrift drift = drift_of(fit.curves);
     const double span = fit.curves.empty() ? 0.0 : fit.curves.back().t - fit.curves.front().t;
-    // What gain errors make of the lags changes as slowly as the motion does: some windows in a row are wrong alike.
+    // The effect of gain errors on the lags changes as slowly as the motion: some consecutive windows have the same error.
     const double apart = std::max(3.0, static_cast<double>(fit.curves.size()) / 4.0);
     if (span > 0.0) drift.sigma = std::hypot(drift.sigma, 1e6 * lag_by_gain(fit) * std::sqrt(12.0 / apart) / span);
     constexpr double significant = 5.0, least = 0.01;  // sigmas; s over the log

@@ -21,7 +21,7 @@ struct Candidate {
     double factor;  // to the canonical unit
 };
 
-// The candidate that brings a size nearest (in ratio) to what it should be.
+// The candidate that brings a magnitude nearest (in ratio) to its expected value.
 const Candidate& nearest(std::span<const Candidate> candidates, double size, double expected) {
     return *std::min_element(candidates.begin(), candidates.end(), [&](const Candidate& a, const Candidate& b) {
         return std::abs(std::log(size * a.factor / expected)) < std::abs(std::log(size * b.factor / expected));
@@ -53,7 +53,7 @@ double name_factor(const LoadedFile& file, const char* canonical) {
     return match != nullptr ? match->factor : 1.0;
 }
 
-// Rates whose specific force is g times the step: increments under the names of rates.
+// Rates whose specific force is g times the interval: increments under the names of rates.
 bool take_as_increments(LoadedFile& file, double norm) {
     const double step = file.cadence.step;
     if (!(step > 0.0) || std::abs(norm / step / units::g0 - 1.0) > 0.1 || std::abs(norm / units::g0 - 1.0) < 0.1) return false;
@@ -90,7 +90,7 @@ void judge_accel(LoadedFile& file, std::vector<UnitChange>& changes) {
         return;
     }
     if (norm > 7.0 && norm < 14.0) return;
-    // the last: a column named after g that holds m/s2
+    // the last one: a column named after g that contains m/s2
     constexpr std::array<Candidate, 6> candidates{
         {{"m/s2", 1.0}, {"g", units::g0}, {"mg", units::mg}, {"ug", units::ug}, {"cm/s2", 1e-2}, {"m/s2", 1.0 / units::g0}}};
     const Candidate& best = nearest(candidates, norm, units::g0);
@@ -139,7 +139,7 @@ void judge_position(LoadedFile& file, std::vector<UnitChange>& changes) {
     double factor = 1.0;
     std::string unit, why;
     double confidence = 0.95;
-    constexpr double near_equator = 1e5;  // in 1e-7 degrees: a kilometre; less is no such number but a wrong one
+    constexpr double near_equator = 1e5;  // in 1e-7 degrees: a kilometre; smaller values are not in this unit but wrong
     if (lat > near_equator && lat <= 90e7 && lon <= 360e7) {
         factor = 1e-7;
         unit = "1e-7 deg";
@@ -167,7 +167,7 @@ void judge_position(LoadedFile& file, std::vector<UnitChange>& changes) {
     }
 }
 
-// How well gravity in sensor axes follows the integrated rates over half a second, for rates times a factor: mean squared miss.
+// Agreement of gravity in sensor axes with the integrated rates, times a factor, over half a second: mean squared residual.
 double gravity_miss(const ImuSeries& imu, double factor, double& unturned) {
     const auto half = std::max<std::size_t>(3, static_cast<std::size_t>(0.5 / std::max(imu.step, 1e-4)));
     const std::size_t side = std::max<std::size_t>(1, half / 5);
@@ -236,7 +236,7 @@ CourseSlope course_slope(const ImuSeries& imu, const GnssSeries& gnss, const Eig
 }
 
 std::optional<double> gyro_unit_of(const CourseSlope& course) {
-    // halfway, in ratio, between one and 57.3
+    // midway, in ratio, between one and 57.3
     constexpr double apart = 7.6, clear = 0.7;
     if (std::abs(course.correlation) <= clear) return std::nullopt;
     const double ratio = std::abs(course.slope);
@@ -245,7 +245,7 @@ std::optional<double> gyro_unit_of(const CourseSlope& course) {
 
 namespace {
 
-/// Gyro noise of a unit whose accelerometers have this noise, m/s/sqrt(s), by the grades; rad/sqrt(s). Vibration raises both alike.
+/// Typical gyro noise for this accelerometer noise, m/s/sqrt(s), according to the grades; rad/sqrt(s). Vibration raises both alike.
 double gyro_noise_beside(double accel_noise) {
     constexpr std::array<const char*, 4> names{"navigation", "tactical", "mems", "consumer"};
     double x0 = 0.0, y0 = 0.0;

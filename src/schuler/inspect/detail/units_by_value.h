@@ -1,4 +1,4 @@
-// Units from the sizes of the numbers, where names do not state them or state what cannot be.
+// Units from the magnitude of the numbers, if names do not state them or state an impossible one.
 #pragma once
 
 #include "schuler/inspect/detail/loaded_file.h"
@@ -14,22 +14,22 @@ namespace schuler::inspect::detail {
 struct UnitChange {
     std::string key;      ///< canonical name, without axis for three columns ("accel_m_s2")
     double factor = 1.0;  ///< number in the file to canonical unit
-    std::string unit;     ///< what the numbers are
+    std::string unit;     ///< actual unit of the numbers
     double confidence = 0.0;
     std::string why;
-    bool against_name = false;  ///< the name states another unit
+    bool against_name = false;  ///< the name states a different unit
 };
 
-/// Judges and rescales the accelerometer columns by the norm (9.8 m/s^2, 1 g, 1000 mg), position and magnetometer columns by
-/// what can be on Earth. Contradictions with a stated unit are problems of the file. Rates that are increments by their size are
-/// renamed to them (their column map says so).
+/// Checks and rescales the accelerometer columns by their norm (9.8 m/s^2, 1 g, 1000 mg), position and magnetometer columns by
+/// the range possible on Earth. Contradictions with a stated unit are problems of the file. Rates that are increments by their
+/// magnitude are renamed accordingly (recorded in their column map).
 [[nodiscard]] std::vector<UnitChange> judge_units(LoadedFile& file);
 
-/// Judges the gyros of an IMU whose accelerometers are in order: turning about the vertical against the GNSS course, and the
-/// turning of gravity in sensor axes against the integrated rates. Rescales file and series.
+/// Checks the gyros of an IMU with valid accelerometers: rotation about the vertical compared with the GNSS course, and the
+/// rotation of gravity in sensor axes compared with the integrated rates. Rescales file and series.
 [[nodiscard]] std::vector<UnitChange> judge_gyro_unit(LoadedFile& file, ImuSeries& imu, const GnssSeries& gnss);
 
-/// Course rate against the gyros' turning about the vertical: slope near 1 where unit, sign and axes are right.
+/// Course rate compared with the gyros' rotation about the vertical: slope near 1 if unit, sign and axes are correct.
 struct CourseSlope {
     double slope = 0.0;  ///< course rate / gyro rate
     double correlation = 0.0;
@@ -38,7 +38,7 @@ struct CourseSlope {
 [[nodiscard]] CourseSlope course_slope(const ImuSeries& imu, const GnssSeries& gnss, const Eigen::Vector3d& down_s,
                                        const Eigen::Vector3d& gyro_bias);
 
-/// Factor from the rates' unit to rad/s by the course: 1, that of degrees, or its inverse; nothing where the two are not related.
+/// Factor from the rates' unit to rad/s from the course: 1, that of degrees, or its inverse; empty if the two are not related.
 [[nodiscard]] std::optional<double> gyro_unit_of(const CourseSlope& course);
 
 }  // namespace schuler::inspect::detail

@@ -1,4 +1,4 @@
-// Velocity against position of one receiver: which column is older.
+// Velocity compared with position of one receiver: which column is older.
 #include "schuler/inspect/detail/motion_fit.h"
 
 #include <algorithm>

@@ -28,7 +28,7 @@ std::vector<double> times_of(const RawTable& t) {
     return times;
 }
 
-/// Stamps beyond 285 years are damage: the readers of rows leave them out as strays.
+/// Stamps beyond 285 years are damaged: omitted as stray stamps by the readers of rows.
 std::int64_t ns_of(double microseconds) {
     constexpr double most = 9e15;
     return std::isnan(microseconds) ? 0 : std::llround(std::clamp(microseconds, -most, most)) * 1000;
@@ -118,7 +118,7 @@ void add_baro_and_mag(const RawTables& tables, StreamLog& log) {
         log.add(std::move(s));
     }
     for (const RawTable* t : tables_named(tables, "MAG")) {
-        const Columns m = {t->find("MagX"), t->find("MagY"), t->find("MagZ")};  // milligauss, the offsets OfsX, ... taken off
+        const Columns m = {t->find("MagX"), t->find("MagY"), t->find("MagZ")};  // milligauss, the offsets OfsX, ... subtracted
         const std::vector<double> time = times_of(*t);
         if (time.empty() || !complete(m)) continue;
         Stream s("mag", TableKind::Mag, label(*t), {"mag_x_ut", "mag_y_ut", "mag_z_ut"});

@@ -19,7 +19,7 @@ Error damaged(std::string_view method, std::string_view why) {
     return input_error(fmt::format("a block compressed with {} is damaged ({})", method, why), {}, "copy the log completely");
 }
 
-/// Room for more output behind `used` bytes.
+/// Space for more output after `used` bytes.
 void grow(std::string& out, std::size_t used, std::string_view method) {
     if (used >= largest) throw damaged(method, "more than 4 GB");
     out.resize(std::max(out.size(), used + std::max(step, used / 2)));
@@ -27,7 +27,7 @@ void grow(std::string& out, std::size_t used, std::string_view method) {
 
 std::string from_zstd(std::string_view bytes, std::size_t size) {
     const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(), ZSTD_freeDCtx);
-    std::string out(std::min(size, std::size_t{64} << 20), '\0');  // a lie about the size costs no memory
+    std::string out(std::min(size, std::size_t{64} << 20), '\0');  // a wrong stated size must not cost memory
     ZSTD_inBuffer in{bytes.data(), bytes.size(), 0};
     std::size_t used = 0, left = 1;
     while (true) {

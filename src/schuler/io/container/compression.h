@@ -1,4 +1,4 @@
-// Blocks of containers as they were before compression: zstd, LZ4 frames, bzip2.
+// Decompression of container blocks: zstd, LZ4 frames, bzip2.
 #pragma once
 
 #include <cstddef>
@@ -7,8 +7,8 @@
 
 namespace schuler::io {
 
-/// Decompressed bytes. @param method "", "none", "zstd", "lz4" or "bz2"; @param size what the container says it becomes, 0: not known
-/// @throws Error(Input) without a place, saying what is wrong: damaged, another method, more than 4 GB
+/// Decompressed bytes. @param method "", "none", "zstd", "lz4" or "bz2"; @param size stated by the container, 0: unknown
+/// @throws Error(Input) without a place, with the error: damaged, another method, more than 4 GB
 [[nodiscard]] std::string decompressed(std::string_view bytes, std::string_view method, std::size_t size);
 
 }  // namespace schuler::io

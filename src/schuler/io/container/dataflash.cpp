@@ -1,4 +1,4 @@
-// ArduPilot's DataFlash logs: binary (.bin), the same as text (.log), and the tables that mavlogdump writes of them [ArduPilotLog].
+// ArduPilot's DataFlash logs: binary (.bin), their text form (.log), and the tables written by mavlogdump [ArduPilotLog].
 #include "schuler/core/error.h"
 #include "schuler/io/bytes.h"
 #include "schuler/io/container/raw_table.h"
@@ -24,7 +24,7 @@ constexpr std::string_view mark("\xa3\x95", 2);
 constexpr std::size_t header_size = 3, format_size = 89;
 constexpr unsigned char format_type = 128;
 
-/// Bytes of a field and the factor to the unit in which the text logs have it.
+/// Size of a field and the factor to the unit of the text logs.
 struct FieldType {
     std::size_t size = 0;
     double factor = 1.0;
@@ -85,7 +85,7 @@ std::vector<std::string> trimmed_parts(std::string_view text) {
     return parts;
 }
 
-/// The messages of a log as tables: one a message, and a number where it has several instances ("I", "Instance", or IMU2 of older logs).
+/// The messages of a log as tables: one per message, numbered for several instances ("I", "Instance", or IMU2 of older logs).
 class Tables {
 public:
     struct Message {
@@ -96,7 +96,7 @@ public:
         int instance_field = -1;
         int first_instance = 0;
         std::map<int, std::size_t> table_of;
-        // the place of each number in a binary message
+        // the offset of each number in a binary message
         std::vector<std::size_t> offsets;
     };
 
@@ -160,7 +160,7 @@ public:
                 continue;
             }
             if (at + length > bytes_.size()) {
-                if (damaged++ == 0) first_damaged = at;  // the log is cut in it
+                if (damaged++ == 0) first_damaged = at;  // the log is truncated in it
                 return;
             }
             ++messages;
@@ -195,7 +195,7 @@ private:
         m.wanted = m.wanted && m.size + header_size <= length && m.types.size() == m.fields.size();
         lengths_[type] = length;
         const std::optional<Tables::Message>& before = messages_[type];
-        // a log of several boots defines its messages again: the same tables go on
+        // a log of several boots repeats its message definitions: the same tables are continued
         if (before && before->name == m.name && before->types == m.types && before->fields == m.fields &&
             before->first_instance == m.first_instance)
             return;
@@ -238,7 +238,7 @@ StreamLog read_binary(const TextInput& input, const std::string& bytes, WarningL
     return finished(input, std::move(reader.tables), reader.names);
 }
 
-/// Lines "FMT, 131, 43, IMU, Qffffff, TimeUS,GyrX,..." and "IMU, 1234, 0.1, ...". The numbers are scaled already.
+/// Lines "FMT, 131, 43, IMU, Qffffff, TimeUS,GyrX,..." and "IMU, 1234, 0.1, ...". The numbers are already scaled.
 StreamLog read_text_log(const TextInput& input, const std::string& bytes, WarningLog& warnings) {
     Tables tables;
     std::map<std::string, Tables::Message, std::less<>> messages;

@@ -16,7 +16,7 @@
 namespace schuler::io {
 namespace {
 
-/// An HDF5 identifier that is closed at the end of its scope.
+/// An HDF5 identifier, closed at the end of its scope.
 class Handle {
 public:
     using Close = herr_t (*)(hid_t);
@@ -33,7 +33,7 @@ public:
     }
     [[nodiscard]] hid_t id() const { return id_; }
     [[nodiscard]] bool ok() const { return id_ >= 0; }
-    /// Gives the identifier up without closing it.
+    /// Releases the identifier without closing it.
     void abandon() { id_ = -1; }
 
 private:
@@ -41,15 +41,15 @@ private:
     Close close_ = nullptr;
 };
 
-/// The library prints its own stack of errors unless told not to, and cleans up at the end of the program, where it crashes on a file that could
-/// not be written (a full disk): every identifier is closed here by its own scope.
+/// The library prints its own error stack unless disabled, and cleans up at program exit, where it crashes for a file that could
+/// not be written (a full disk): every identifier is therefore closed here by its own scope.
 void prepare_library() {
     static const herr_t no_cleanup = H5dont_atexit();
     (void)no_cleanup;
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
-// Space is taken in chunks of rows: large for long tables, no larger than a table whose length is known.
+// Space is allocated in chunks of rows: large for long tables, at most the table itself if its length is known.
 constexpr hsize_t chunk_rows_unknown = 1024;
 constexpr hsize_t chunk_rows_most = 4096;
 
@@ -59,7 +59,7 @@ struct Hdf5Writer::File {
     std::filesystem::path path, temporary;
     Handle file;
 
-    /// The file is given up as it is: closing it would write, fail, and leave the library with pieces of it.
+    /// The file is abandoned as it is: closing it would write, fail, and leave the library in an invalid state.
     [[nodiscard]] Error failed(const std::string& what, const std::string& object) {
         file.abandon();
         return computation_error(fmt::format("{}: {} cannot be {}", path.string(), object, what), "make room on the disk");
@@ -76,7 +76,7 @@ struct Hdf5Writer::File {
         }
     }
 
-    /// A table without rows that can grow; `rows` is how many are expected, 0 where unknown.
+    /// An extendable table without rows; `rows` is the expected number, 0 if unknown.
     void make(const std::string& object, hid_t type, hsize_t columns, hsize_t rows) {
         make_groups(object);
         const std::array<hsize_t, 2> size = {0, columns}, limit = {H5S_UNLIMITED, columns},
@@ -149,7 +149,7 @@ void Hdf5Writer::matrices(const std::string& path, std::span<const double> value
     const hsize_t extent[3] = {values.size() / (size * size), size, size};
     const Handle space(H5Screate_simple(3, extent, nullptr), H5Sclose);
     const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
-    H5Pset_obj_track_times(properties.id(), false);  // same content, same bytes
+    H5Pset_obj_track_times(properties.id(), false);  // identical content, identical bytes
     const Handle made(
         H5Dcreate2(file_->file.id(), path.c_str(), H5T_IEEE_F64LE, space.id(), H5P_DEFAULT, properties.id(), H5P_DEFAULT),
         H5Dclose);
@@ -197,7 +197,7 @@ struct Hdf5Reader::File {
         return input_error("cannot be read: the file is damaged there", place_in(name, 0, 0, object),
                            "check that it was copied completely");
     }
-    /// How many values an object says to have, where memory can hold them.
+    /// Number of values stated by an object, if memory is sufficient for them.
     [[nodiscard]] std::size_t count(hid_t space, const std::string& object) const {
         constexpr hssize_t most = hssize_t{1} << 30;
         const hssize_t points = H5Sget_simple_extent_npoints(space);

@@ -1,4 +1,4 @@
-// HDF5 files of tables: groups, two-dimensional tables of doubles that can grow, attributes. Same content, same bytes.
+// HDF5 files of tables: groups, extendable two-dimensional tables of doubles, attributes. Equal content gives equal bytes.
 // The HDF5 library is not reentrant: one thread at a time may use these classes.
 #pragma once
 
@@ -16,27 +16,27 @@ namespace schuler::io {
 
 using Hdf5Attributes = TableAttributes;
 
-/// Writes beside the wanted name and renames on commit(); without commit() nothing is left behind.
+/// Writes to a temporary name and renames on commit(); without commit() no file remains.
 class Hdf5Writer final : public TableWriter {
 public:
-    /// Throws Error(Input) where the file cannot be made.
+    /// Throws Error(Input) if the file cannot be created.
     explicit Hdf5Writer(std::filesystem::path path);
     ~Hdf5Writer() override;
 
-    /// Makes an empty table (rows x columns) under a path such as "/solution/position"; the groups on the way are made.
-    /// Attributes (units, names of the columns) are texts. Throws Error(Computation) where the path is taken or the disk is full.
+    /// Creates an empty table (rows x columns) under a path such as "/solution/position"; parent groups are created.
+    /// Attributes (units, names of the columns) are texts. Throws Error(Computation) if the path exists or the disk is full.
     void create_table(const std::string& path, std::size_t columns, const Hdf5Attributes& attributes = {});
-    /// Appends rows, row by row in memory; the size must be a multiple of the number of columns.
+    /// Appends rows, in row order; the size must be a multiple of the number of columns.
     void append(const std::string& path, std::span<const double> values);
-    /// A complete table at once.
+    /// A complete table in one call.
     void table(const std::string& path, std::span<const double> values, std::size_t columns,
                const Hdf5Attributes& attributes = {}) override;
     /// Square matrices as one dataset of rank three in the root group, matrices x size x size, size * size values each.
     void matrices(const std::string& path, std::span<const double> values, std::size_t size,
                   const Hdf5Attributes& attributes = {}) override;
-    /// A column of whole numbers (times in ns).
+    /// A column of integers (times in ns).
     void integers(const std::string& path, std::span<const std::int64_t> values, const Hdf5Attributes& attributes = {}) override;
-    /// A text attribute of an object that exists ("/" is the file itself).
+    /// A text attribute of an existing object ("/" is the file itself).
     void attribute(const std::string& path, const std::string& name, const std::string& value) override;
     void commit() override;
 
@@ -47,11 +47,11 @@ private:
 
 struct Hdf5Table {
     std::size_t rows = 0, columns = 0;
-    std::vector<double> values;  ///< row by row
+    std::vector<double> values;  ///< in row order
     [[nodiscard]] double operator()(std::size_t row, std::size_t column) const { return values[row * columns + column]; }
 };
 
-/// Reads what Hdf5Writer wrote. Throws Error(Input): no such file, no HDF5, no such object.
+/// Reads files of Hdf5Writer. Throws Error(Input): no such file, not HDF5, no such object.
 class Hdf5Reader {
 public:
     explicit Hdf5Reader(const std::filesystem::path& path);
@@ -60,9 +60,9 @@ public:
     Hdf5Reader& operator=(const Hdf5Reader&) = delete;
 
     [[nodiscard]] Hdf5Table table(const std::string& path) const;
-    /// A column of whole numbers.
+    /// A column of integers.
     [[nodiscard]] std::vector<std::int64_t> integers(const std::string& path) const;
-    /// Square matrices, one a row.
+    /// Square matrices, one per row.
     [[nodiscard]] Hdf5Table matrices(const std::string& path) const;
     [[nodiscard]] std::string attribute(const std::string& path, const std::string& name) const;
     /// Names in a group, sorted.

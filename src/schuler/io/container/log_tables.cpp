@@ -1,4 +1,4 @@
-// Tables that ulog2csv writes of PX4's logs: a topic and instance a file, which its name says ("flight_sensor_combined_0.csv").
+// Tables written by ulog2csv from PX4 logs: a file per topic and instance, named accordingly ("flight_sensor_combined_0.csv").
 #include "schuler/core/error.h"
 #include "schuler/io/bytes.h"
 #include "schuler/io/container/raw_table.h"
@@ -20,7 +20,7 @@ struct TopicOfFile {
     int instance = 0;
 };
 
-/// The topic in a name of ulog2csv; nothing where there is none that is read.
+/// The topic in a file name of ulog2csv; empty if there is none that is read.
 std::optional<TopicOfFile> topic_of(const std::filesystem::path& file) {
     std::string stem = file.filename().string();
     stem = stem.substr(0, stem.find('.'));

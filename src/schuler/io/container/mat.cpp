@@ -28,7 +28,7 @@ struct Matrix {
     std::vector<double> values;  ///< column by column
     [[nodiscard]] double operator()(std::size_t row, std::size_t column) const { return values[column * rows + row]; }
 };
-/// A structure, or what lies beside each other in the file.
+/// A structure, or the top-level variables of the file.
 struct Group {
     std::string name;
     std::vector<Matrix> matrices;
@@ -68,11 +68,11 @@ std::optional<Matrix> matrix_of(const matvar_t& v) {
         default: return std::nullopt;
     }
     if (v.class_type == MAT_C_CHAR || v.class_type == MAT_C_CELL || v.class_type == MAT_C_STRUCT) return std::nullopt;
-    if (m.rows == 1 && m.columns > 3) std::swap(m.rows, m.columns);  // a row of many is a column
+    if (m.rows == 1 && m.columns > 3) std::swap(m.rows, m.columns);  // a long row is a column
     return m;
 }
 
-/// Structures and matrices, structures inside structures to a few levels.
+/// Structures and matrices, nested to a few levels.
 void collect(matvar_t& v, std::vector<Group>& groups, std::size_t into, int depth) {
     constexpr int deepest = 4;
     constexpr unsigned most_fields = 10'000;
@@ -174,7 +174,7 @@ void add_psins(const Group& g, StreamLog& log) {
     }
 }
 
-/// Columns of one length whose names are those of tables of text.
+/// Columns of equal length named as in text tables.
 bool add_named(const Group& g, StreamLog& log) {
     const auto time = std::ranges::find_if(g.matrices, [](const Matrix& m) {
         return m.columns == 1 && m.rows > 1 && (m.name == "time_s" || m.name == "time" || m.name == "t");

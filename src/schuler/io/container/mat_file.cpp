@@ -19,16 +19,16 @@ namespace schuler::io {
 namespace {
 
 constexpr const char* header = "MATLAB 5.0 MAT-file, written by schuler";
-constexpr std::size_t most_bytes = 2'000'000'000;  // of one variable, whose size is a number of 32 bits
+constexpr std::size_t most_bytes = 2'000'000'000;  // of one variable, whose size is a 32-bit number
 
-/// A matrix by columns, as the file has it.
+/// A matrix in column order, as in the file.
 template <class T>
 struct MatrixNode {
     std::vector<std::size_t> size;
     std::vector<T> values;
 };
 
-/// A variable or a field: a matrix, a text, or a struct of more.
+/// A variable or a field: a matrix, a text, or a nested struct.
 struct Node {
     std::variant<std::monostate, MatrixNode<double>, MatrixNode<std::int64_t>, std::string> data;
     std::map<std::string, Node> fields;
@@ -49,7 +49,7 @@ std::size_t size_of(const Node& node) {
     return sum;
 }
 
-/// Refers to the numbers of the node, which must outlive it. Null where there is no memory for it.
+/// Refers to the numbers of the node, which must outlive it. Null if memory is insufficient.
 Variable variable_of(const char* name, const Node& node) {
     constexpr int keep = MAT_F_DONT_COPY_DATA;
     const auto matrix = [&](const auto& m, matio_classes kind, matio_types type) {
@@ -71,7 +71,7 @@ Variable variable_of(const char* name, const Node& node) {
     for (const auto& [field, inner] : node.fields) {
         Variable value = variable_of(field.c_str(), inner);
         if (!structure || !value) return {};
-        Mat_VarSetStructFieldByName(structure.get(), field.c_str(), 0, value.release());  // which frees it from now on
+        Mat_VarSetStructFieldByName(structure.get(), field.c_str(), 0, value.release());  // transfers ownership
     }
     return structure;
 }
@@ -82,7 +82,7 @@ struct MatWriter::File {
     std::filesystem::path path, temporary;
     Node root;
 
-    /// The node of a path such as "/innovations/baro/sigma", made where it is not there.
+    /// The node of a path such as "/innovations/baro/sigma", created if missing.
     Node& at(const std::string& object) {
         Node* node = &root;
         for (std::size_t begin = 0; begin < object.size();) {

@@ -1,4 +1,4 @@
-// MAT-files of tables for Octave and MATLAB: a struct a group, a matrix a table, units and names beside it.
+// MAT-files of tables for Octave and MATLAB: a struct per group, a matrix per table, with units and names.
 #pragma once
 
 #include "schuler/io/container/table_writer.h"
@@ -8,11 +8,11 @@
 
 namespace schuler::io {
 
-/// A group is a struct of the file, a group in it a struct in that. The attributes of a table `position` are texts in the struct `about` of
-/// the group: about.position.units. Those of the file itself are variables. Version 5, uncompressed; same content, same bytes.
+/// A group is a struct of the file, a subgroup a struct in it. The attributes of a table `position` are texts in the struct `about`
+/// of the group: about.position.units. Those of the file are variables. Version 5, uncompressed; equal content gives equal bytes.
 class MatWriter final : public TableWriter {
 public:
-    /// Throws Error(Input) where the file cannot be made.
+    /// Throws Error(Input) if the file cannot be created.
     explicit MatWriter(std::filesystem::path path);
     ~MatWriter() override;
 
@@ -23,7 +23,7 @@ public:
                   const TableAttributes& attributes) override;
     void integers(const std::string& path, std::span<const std::int64_t> values, const TableAttributes& attributes) override;
     void attribute(const std::string& path, const std::string& name, const std::string& value) override;
-    /// Throws Error(Computation) where the disk is full, or a variable larger than the format can hold (2 GB).
+    /// Throws Error(Computation) if the disk is full, or a variable exceeds the limit of the format (2 GB).
     void commit() override;
 
 private:

@@ -23,7 +23,7 @@ constexpr std::string_view mcap_magic("\x89MCAP0\r\n", 8);
 enum Op : unsigned char { Header = 1, Footer = 2, Schema = 3, Channel = 4, Message = 5, Chunk = 6, DataEnd = 15 };
 constexpr std::size_t record_head = 9;
 
-/// A body read from its beginning; beyond its end everything is empty, and ok() false.
+/// A sequentially read body; beyond its end everything is empty, and ok() false.
 class Body {
 public:
     explicit Body(std::string_view bytes) : bytes_(bytes) {}
@@ -118,7 +118,7 @@ private:
         (void)body.number<std::uint64_t>();
         (void)body.number<std::uint64_t>();
         const auto size = body.number<std::uint64_t>();
-        const auto check = body.number<std::uint32_t>();  // zero: there is none
+        const auto check = body.number<std::uint32_t>();  // zero: no check sum
         const std::string_view method = body.text();
         const std::string_view packed = body.text(body.number<std::uint64_t>());
         if (!body.ok()) return bad(at);
@@ -174,7 +174,7 @@ StreamLog read_mcap(const TextInput& input, WarningLog& warnings) {
     return log;
 }
 
-/// Bytes of a ROS 2 message: numbers at multiples of their size.
+/// Bytes of a ROS 2 message: numbers aligned to their size.
 class Cdr {
 public:
     Cdr() : out_("\0\1\0\0", 4) {}
@@ -255,7 +255,7 @@ void write_mcap(const std::filesystem::path& path, std::span<const SolutionRow> 
     std::uint32_t number = 0;
     for (const SolutionRow& r : rows) {
         const std::int64_t utc_seconds = r.time.ns / 1'000'000'000;
-        // dated times become UTC from 1970, as ROS has them
+        // dated times are converted to UTC from 1970, as in ROS
         constexpr std::int64_t dated = 100'000'000;
         const std::int64_t ns =
             utc_seconds < dated ? r.time.ns

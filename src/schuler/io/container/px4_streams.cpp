@@ -14,7 +14,7 @@ namespace {
 
 constexpr double gauss = 100.0;  // microtesla
 
-/// Stamps beyond 285 years are damage: the readers of rows leave them out as strays.
+/// Stamps beyond 285 years are damaged: omitted as stray stamps by the readers of rows.
 std::int64_t ns_of(double microseconds) {
     constexpr double most = 9e15;
     return std::isnan(microseconds) ? 0 : std::llround(std::clamp(microseconds, -most, most)) * 1000;
@@ -83,7 +83,7 @@ void add_gnss(const RawTable& t, StreamLog& log) {
     if (time == nullptr || (!fine && (lat7 == nullptr || lon7 == nullptr))) return;
     const auto *ellipsoid_mm = t.find("alt_ellipsoid"), *msl_mm = t.find("alt"), *ellipsoid = t.find("altitude_ellipsoid_m"),
                *msl = t.find("altitude_msl_m");
-    // simulators and some drivers leave the ellipsoidal height at zero
+    // simulators and some drivers set the ellipsoidal height to zero
     const auto given = [](const std::vector<double>* c) {
         return c != nullptr && std::ranges::any_of(*c, [](double v) { return v != 0.0; });
     };
@@ -98,7 +98,7 @@ void add_gnss(const RawTable& t, StreamLog& log) {
               "vel_d_m_s", "std_h_m", "std_d_m", "std_vel_m_s", "satellites"});
     for (std::size_t i = 0; i < t.rows(); ++i) {
         const bool moving = complete(v) && (valid == nullptr || (*valid)[i] != 0.0);
-        // eph and epv of 0 or beyond a kilometre are what drivers write for "not known"
+        // eph and epv of 0 or above a kilometre are written by drivers for "unknown"
         const auto sigma = [&](const std::vector<double>* c) {
             const double x = value(c, i);
             return x > 0.0 && x < 1000.0 ? x : not_given;
@@ -196,7 +196,7 @@ bool is_px4_topic(std::string_view name) { return std::ranges::find(topics, name
 StreamLog px4_streams(const RawTables& tables) {
     StreamLog log;
     add_imu(tables, log);
-    // the receiver's own messages where they are; vehicle_gps_position may be a blend of several
+    // the receiver's own messages if present; vehicle_gps_position may be a blend of several
     const auto own = tables_named(tables, "vehicle_gps_position");
     for (const RawTable* t : own) add_gnss(*t, log);
     for (const RawTable* t : tables_named(tables, "sensor_gps")) add_gnss(*t, log);

@@ -42,7 +42,7 @@ std::vector<double> interpolated(const std::vector<double>& at, const std::vecto
         }
         return interpolated(at, t, v, reach);
     }
-    std::size_t k = 0;  // the first row after
+    std::size_t k = 0;  // the first later row
     for (std::size_t i = 0; i < at.size(); ++i) {
         if (i == 0 || at[i] < at[i - 1]) k = static_cast<std::size_t>(std::ranges::upper_bound(times, at[i]) - times.begin());
         while (k < times.size() && times[k] <= at[i]) ++k;

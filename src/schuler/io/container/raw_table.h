@@ -1,4 +1,4 @@
-// Messages of an autopilot's log as they were logged, a table a message and instance, before their meaning is known.
+// Messages of an autopilot log as logged, one table per message and instance, before their interpretation.
 #pragma once
 
 #include "schuler/io/streams.h"
@@ -14,10 +14,10 @@ struct RawTable {
     std::string name;  ///< of the message: "sensor_combined", "IMU"
     int instance = 0;
     std::vector<std::string> fields;
-    std::vector<std::vector<double>> values;  ///< a column a field, all of one length
+    std::vector<std::vector<double>> values;  ///< one column per field, all of equal length
 
     [[nodiscard]] const std::vector<double>* find(std::string_view field) const;
-    /// The first of several names that is there.
+    /// The first of several names that exists.
     [[nodiscard]] const std::vector<double>* find(std::initializer_list<std::string_view> names) const;
     [[nodiscard]] std::size_t rows() const { return values.empty() ? 0 : values.front().size(); }
 };
@@ -27,16 +27,16 @@ using RawTables = std::vector<RawTable>;
 /// Tables of that message, in order of instance.
 [[nodiscard]] std::vector<const RawTable*> tables_named(const RawTables& tables, std::string_view name);
 
-/// Values of another table at the times of this one, by straight lines between its rows; NaN more than `reach` beyond a row.
+/// Values of another table at the times of this one, interpolated linearly between its rows; NaN more than `reach` beyond a row.
 [[nodiscard]] std::vector<double> interpolated(const std::vector<double>& at, const std::vector<double>& times,
                                                const std::vector<double>& values, double reach);
 
-/// What PX4's topics mean, by their names; `timestamp` is in microseconds.
+/// Interprets PX4 topics by their names; `timestamp` is in microseconds.
 [[nodiscard]] StreamLog px4_streams(const RawTables& tables);
-/// The topics that px4_streams() reads.
+/// The topics read by px4_streams().
 [[nodiscard]] bool is_px4_topic(std::string_view name);
 
-/// What ArduPilot's messages mean, by their names; `TimeUS` is in microseconds, `TimeMS` in milliseconds.
+/// Interprets ArduPilot messages by their names; `TimeUS` is in microseconds, `TimeMS` in milliseconds.
 [[nodiscard]] StreamLog ardupilot_streams(const RawTables& tables);
 [[nodiscard]] bool is_ardupilot_message(std::string_view name);
 

@@ -138,7 +138,7 @@ using Statement = std::unique_ptr<sqlite3_stmt, decltype(&sqlite3_finalize)>;
 StreamLog read_db3(const TextInput& input, WarningLog& warnings) {
     if (input.in_memory()) throw input_error("a database cannot be read from memory", place_in(input.name()), "give the file");
     sqlite3* raw = nullptr;
-    // immutable: nothing is written beside it, and folders that cannot be written are no obstacle
+    // immutable: no files are written beside it, and read-only folders are permitted
     const std::string uri = "file:" + [&] {
         std::string escaped;
         for (const char c : input.name()) escaped += c == '%' ? "%25" : c == '?' ? "%3f" : c == '#' ? "%23" : std::string(1, c);

@@ -20,7 +20,7 @@ struct Short : std::runtime_error {
     Short() : std::runtime_error("message too short") {}
 };
 
-/// Reads numbers and texts one behind the other.
+/// Reads consecutive numbers and texts.
 class Reader {
 public:
     Reader(std::string_view bytes, RosLayout layout) : bytes_(bytes), cdr_(layout == RosLayout::Cdr) {
@@ -46,14 +46,14 @@ public:
         at_ += size;
         return value;
     }
-    /// Time of a header, ns since 1970; its frame is passed over.
+    /// Time of a header, ns since 1970; its frame is skipped.
     std::int64_t header() {
-        if (!cdr_) (void)number<std::uint32_t>();  // ROS 1 has a counter first
+        if (!cdr_) (void)number<std::uint32_t>();  // ROS 1 headers start with a counter
         const auto seconds = number<std::uint32_t>(), ns = number<std::uint32_t>();
         (void)text();
         return std::int64_t{seconds} * 1'000'000'000 + ns;
     }
-    /// A list of numbers of 32 bits.
+    /// Skips a list of 32-bit numbers.
     void pass_list() {
         for (auto left = number<std::uint32_t>(); left > 0; --left) (void)number<std::int32_t>();
     }
@@ -141,7 +141,7 @@ Stream stream_for(Type type, const std::string& topic) {
     }
 }
 
-/// A covariance whose first element is -1 says that there is no measurement [RosImu].
+/// A covariance with first element -1 indicates a missing measurement [RosImu].
 template <std::size_t N>
 bool is_measured(const std::array<double, N>& covariance) {
     return covariance[0] != -1.0;
@@ -149,7 +149,7 @@ bool is_measured(const std::array<double, N>& covariance) {
 
 /// A row of gps_msgs/GPSFix, also called gps_common/GPSFix [RosGpsFix]: position and velocity in one.
 void add_gps_fix(Stream& s, Reader& r, std::int64_t t) {
-    constexpr double circle95 = 2.448, line95 = 1.960;  // of a sigma: what 95 % are within
+    constexpr double circle95 = 2.448, line95 = 1.960;  // in sigmas: radius and half width with 95 % probability
     (void)r.header();                                   // of the status
     const double satellites = r.number<std::uint16_t>();
     r.pass_list();
@@ -178,7 +178,7 @@ void add_gps_fix(Stream& s, Reader& r, std::int64_t t) {
                                    : FixType::Differential);
 }
 
-/// False where the message says that it has no measurement.
+/// False if the message contains no measurement.
 bool add_row(Stream& s, Type type, Reader& r, std::int64_t logged) {
     const std::int64_t stamp = r.header();
     const std::int64_t t = stamp > 0 ? stamp : logged;
@@ -196,7 +196,7 @@ bool add_row(Stream& s, Type type, Reader& r, std::int64_t logged) {
         const auto c = r.doubles<9>();
         const bool known = r.number<std::uint8_t>() != 0 && c[0] > 0.0;
         const auto sigma = [&](double variance) { return known && variance > 0.0 ? std::sqrt(variance) : not_given; };
-        s.add(t, {p[0], p[1], p[2], sigma(c[4]), sigma(c[0]), sigma(c[8])});  // the covariance is of east, north, up
+        s.add(t, {p[0], p[1], p[2], sigma(c[4]), sigma(c[0]), sigma(c[8])});  // the covariance is in east, north, up
         s.fix.push_back(status < 0    ? FixType::None
                         : status == 0 ? FixType::Autonomous
                         : status == 1 ? FixType::Differential

@@ -1,4 +1,4 @@
-// Result files (run.h5): the solution in them as a trajectory, and a solution alone as such a file.
+// Result files (run.h5): reading their solution as a trajectory, and writing a solution alone as such a file.
 #include "schuler/core/error.h"
 #include "schuler/core/units.h"
 #include "schuler/io/container/hdf5_file.h"

@@ -1,4 +1,4 @@
-// Files of tables: groups, two-dimensional tables, attributes, whatever the format.
+// Files of tables: groups, two-dimensional tables, attributes, independent of the format.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@ namespace schuler::io {
 
 using TableAttributes = std::map<std::string, std::string>;
 
-/// Writes beside the wanted name; nothing is left behind without commit().
+/// Writes to a temporary name; no file remains without commit().
 class TableWriter {
 public:
     TableWriter() = default;
@@ -19,16 +19,16 @@ public:
     TableWriter(const TableWriter&) = delete;
     TableWriter& operator=(const TableWriter&) = delete;
 
-    /// A complete table (rows x columns, row by row in memory) under a path such as "/solution/position"; the groups on the way are made.
-    /// Attributes (units, names of the columns) are texts. Throws Error(Computation) where the path is taken or the disk is full.
+    /// A complete table (rows x columns, in row order) under a path such as "/solution/position"; parent groups are created.
+    /// Attributes (units, names of the columns) are texts. Throws Error(Computation) if the path exists or the disk is full.
     virtual void table(const std::string& path, std::span<const double> values, std::size_t columns,
                        const TableAttributes& attributes) = 0;
     /// Square matrices, size * size values each.
     virtual void matrices(const std::string& path, std::span<const double> values, std::size_t size,
                           const TableAttributes& attributes) = 0;
-    /// A column of whole numbers (times in ns).
+    /// A column of integers (times in ns).
     virtual void integers(const std::string& path, std::span<const std::int64_t> values, const TableAttributes& attributes) = 0;
-    /// A text attribute of an object that exists ("/" is the file itself).
+    /// A text attribute of an existing object ("/" is the file itself).
     virtual void attribute(const std::string& path, const std::string& name, const std::string& value) = 0;
     virtual void commit() = 0;
 };

@@ -1,4 +1,4 @@
-// PX4's ULog, version 1: definitions of messages, subscriptions, and data of them [PX4ULog].
+// PX4's ULog, version 1: message definitions, subscriptions, and their data [PX4ULog].
 #include "schuler/core/error.h"
 #include "schuler/io/bytes.h"
 #include "schuler/io/container/raw_table.h"
@@ -100,13 +100,13 @@ private:
     };
     struct Subscription {
         std::size_t table = 0;
-        std::size_t size = 0;  ///< bytes that its fields need
+        std::size_t size = 0;  ///< bytes required by its fields
         std::vector<Place> places;
     };
 
     static bool is_type(char c) { return std::string_view("BFIMPQADRLCSO").find(c) != std::string_view::npos; }
 
-    /// After damage: the next place where two messages follow each other.
+    /// After damage: the next position with two consecutive messages.
     std::size_t recovered(std::size_t from) {
         if (damaged++ == 0) first_damaged = from;
         for (std::size_t at = from + 1; at + prefix_size <= bytes_.size(); ++at) {
@@ -159,7 +159,7 @@ private:
         definitions_[std::string(text.substr(0, colon))] = std::move(fields);
     }
 
-    /// Places of the numbers of a message; the offset behind it. Nothing where a definition is missing or refers to itself.
+    /// Offsets of the numbers of a message; returns the offset after it. Empty if a definition is missing or refers to itself.
     std::optional<std::size_t> place(const std::string& definition, std::size_t offset, const std::string& prefix,
                                      std::vector<Place>& out, int depth) const {
         const auto it = definitions_.find(definition);

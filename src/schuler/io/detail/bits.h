@@ -1,4 +1,4 @@
-// Bit fields of binary messages, most significant bit first, and the checks they carry. Private to the readers.
+// Bit fields of binary messages, most significant bit first, and their checks. Private to the readers.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 namespace schuler::io::detail {
 
-/// Reads bits of a buffer; beyond its end they are zero, and ok() is false from then on.
+/// Reads bits from a buffer; beyond its end they are zero, and ok() is false from then on.
 class Bits {
 public:
     explicit Bits(std::string_view bytes) : bytes_(bytes) {}
@@ -35,7 +35,7 @@ public:
         const bool negative = count > 0 && (value >> (count - 1) & 1U) != 0;
         return negative ? static_cast<std::int64_t>(value) - (std::int64_t{1} << count) : static_cast<std::int64_t>(value);
     }
-    /// Sign and magnitude, as GLONASS writes numbers.
+    /// Sign and magnitude, as used by GLONASS.
     [[nodiscard]] std::int64_t take_sign_magnitude(std::size_t count) {
         const bool negative = take(1) != 0;
         const auto magnitude = static_cast<std::int64_t>(take(count - 1));
@@ -51,7 +51,7 @@ private:
     std::size_t position_ = 0;
 };
 
-/// Puts bits together to bytes; the last byte is filled with zeros.
+/// Assembles bits into bytes; the last byte is padded with zeros.
 class BitWriter {
 public:
     /// The lowest `count` bits of a value.
@@ -61,7 +61,7 @@ public:
             if ((value >> i & 1U) != 0) bytes_.back() = static_cast<char>(bytes_.back() | (0x80 >> size_ % 8));
         }
     }
-    /// Bits [first, first + count) of others.
+    /// Bits [first, first + count) of another buffer.
     void put(const Bits& from, std::size_t first, std::size_t count) {
         for (std::size_t i = first; i < first + count; ++i) put(from.at(i, 1), 1);
     }

@@ -1,4 +1,4 @@
-// Numbers as navigation messages scale them. Private to the readers.
+// Scaling of numbers in navigation messages. Private to the readers.
 #pragma once
 
 #include "schuler/core/time.h"
@@ -12,7 +12,7 @@
 
 namespace schuler::io::detail {
 
-/// The next bits times two to the exponent: two's complement, unsigned, and half turns as rad.
+/// The next bits times a power of two: two's complement, unsigned, and semicircles as rad.
 inline double scaled(Bits& bits, std::size_t count, int exponent) {
     return std::ldexp(static_cast<double>(bits.take_signed(count)), exponent);
 }
@@ -21,7 +21,7 @@ inline double scaled_unsigned(Bits& bits, std::size_t count, int exponent) {
 }
 inline double angle(Bits& bits, std::size_t count, int exponent) { return std::numbers::pi * scaled(bits, count, exponent); }
 
-/// What GPS, QZSS and Galileo send in the same order and scales: the orbit in its plane, then how the plane lies.
+/// Common order and scales of GPS, QZSS and Galileo: the orbit in its plane, then the orientation of the plane.
 inline void orbit_in_plane(Bits& b, gnss::KeplerEphemeris& k) {
     k.crs = scaled(b, 16, -5), k.delta_n = angle(b, 16, -43), k.m0 = angle(b, 32, -31);
     k.cuc = scaled(b, 16, -29), k.e = scaled_unsigned(b, 32, -33), k.cus = scaled(b, 16, -29);
@@ -34,7 +34,7 @@ inline void orbit_plane(Bits& b, gnss::KeplerEphemeris& k) {
 inline void clock_of_gps(Bits& b, gnss::KeplerEphemeris& k) {
     k.af2 = scaled(b, 8, -55), k.af1 = scaled(b, 16, -43), k.af0 = scaled(b, 22, -31);
 }
-/// Klobuchar's eight, as GPS, QZSS and BeiDou send them.
+/// The eight Klobuchar coefficients, as transmitted by GPS, QZSS and BeiDou.
 inline gnss::KlobucharCoefficients klobuchar_of(Bits& b) {
     gnss::KlobucharCoefficients c;
     constexpr std::array<int, 4> alpha = {-30, -27, -24, -24}, beta = {11, 14, 16, 16};
@@ -43,19 +43,19 @@ inline gnss::KlobucharCoefficients klobuchar_of(Bits& b) {
     return c;
 }
 
-/// Health of Galileo as RINEX packs it: validity and health of E1-B, of E5a (I/NAV does not send it), of E5b.
+/// Galileo health as packed in RINEX: validity and health of E1-B, of E5a (not transmitted in I/NAV), of E5b.
 inline int galileo_health(int valid_e1, int health_e1, int valid_e5b, int health_e5b) {
     return valid_e1 | health_e1 << 1 | valid_e5b << 6 | health_e5b << 7;
 }
 
-/// Accuracy index of GPS to metres [ISGPS200:20.3.3.3.1.3]; 15 promises nothing.
+/// GPS accuracy index to metres [ISGPS200:20.3.3.3.1.3]; 15 means no guarantee.
 inline double gps_accuracy(int index) {
     constexpr std::array<double, 15> metres = {2.0,  2.8,   4.0,   5.7,   8.0,    11.3,   16.0,  32.0,
                                                64.0, 128.0, 256.0, 512.0, 1024.0, 2048.0, 4096.0};
     return index >= 0 && index < 15 ? metres[static_cast<std::size_t>(index)] : 8192.0;
 }
 
-/// Galileo's signal-in-space accuracy [GalileoICD:table 89], m; -1: no promise.
+/// Galileo signal-in-space accuracy [GalileoICD:table 89], m; -1: no guarantee.
 inline double galileo_accuracy(int index) {
     if (index < 50) return 0.01 * index;
     if (index < 75) return 0.5 + 0.02 * (index - 50);
@@ -63,7 +63,7 @@ inline double galileo_accuracy(int index) {
     return index <= 125 ? 2.0 + 0.16 * (index - 100) : -1.0;
 }
 
-/// GPS time of a count of a system's weeks that wraps, next to now; seconds on the system's own scale.
+/// GPS time from a truncated week count of a system, nearest to now; seconds on the system's own scale.
 inline Time from_week_count(gnss::System system, int count, int wrap, double seconds, Time now) {
     const int now_week = gnss::week_second(now).week;
     int week = count + gnss::first_week_of(system);

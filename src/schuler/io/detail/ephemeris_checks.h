@@ -1,4 +1,4 @@
-// What every reader of ephemerides demands before it believes one. Private to the readers.
+// Validity checks common to all readers of ephemerides. Private to the readers.
 #pragma once
 
 #include "schuler/gnss/ephemeris.h"
@@ -11,10 +11,10 @@
 
 namespace schuler::io::detail {
 
-/// A number that should be whole, as one; 0 where it is absurd.
+/// A number that should be an integer; 0 if it is absurd.
 [[nodiscard]] inline int whole(double x) { return std::isfinite(x) && std::abs(x) < 1e9 ? static_cast<int>(std::lround(x)) : 0; }
 
-/// The instant nearest to `near` that is a whole number of periods away from `wanted`.
+/// The instant nearest to `near` that differs from `wanted` by a whole number of periods.
 [[nodiscard]] inline Time nearest_of(std::int64_t wanted_ns, std::int64_t period_ns, Time near) {
     std::int64_t apart = (wanted_ns - near.ns) % period_ns;
     if (apart > period_ns / 2) apart -= period_ns;
@@ -22,23 +22,23 @@ namespace schuler::io::detail {
     return {near.ns + apart};
 }
 
-/// The instant nearest to `near` that has these seconds of a system's week.
+/// The instant nearest to `near` with these seconds of a system's week.
 [[nodiscard]] inline Time nearest_in_week(double seconds_of_week, Time near, gnss::System system = gnss::System::Gps) {
     return nearest_of((Duration::from_seconds(seconds_of_week) + gnss::lag_of(system)).ns, gnss::week_ns, near);
 }
 
-/// The instant nearest to `near` that has this time of the day in Moscow, three hours before UTC, by which GLONASS counts.
+/// The instant nearest to `near` with this time of the day in Moscow, three hours ahead of UTC, as used by GLONASS.
 [[nodiscard]] inline Time nearest_in_moscow_day(std::int64_t of_day_ns, Time near) {
     constexpr std::int64_t second = 1'000'000'000, hour = 3600 * second;
     const std::int64_t leap = std::int64_t{gps_minus_utc(near.ns / second)} * second;
     return nearest_of(of_day_ns - 3 * hour + leap, 24 * hour, near);
 }
 
-/// toe and the time of transmission from seconds of week, next to toc: weeks in files are not always what they should be.
+/// toe and the time of transmission from seconds of week, nearest to toc: weeks in files are not always correct.
 inline void set_times(gnss::KeplerEphemeris& k, double toe, double sent) {
     constexpr double week = static_cast<double>(gnss::week_ns) * 1e-9;
     if (!(std::abs(toe) <= week)) {
-        k.sqrt_a = NAN;  // not sound
+        k.sqrt_a = NAN;  // marked invalid
         return;
     }
     k.toe = nearest_in_week(toe, k.toc, k.satellite.system);
@@ -61,7 +61,7 @@ inline void set_times(gnss::KeplerEphemeris& k, double toe, double sent) {
            std::abs((k.toe - k.toc).ns) <= day;
 }
 
-/// Adds an ephemeris unless it is there already; the newest are looked at first, for satellites repeat themselves.
+/// Adds an ephemeris unless it is already present; the newest are checked first, because satellites repeat them.
 template <class Ephemeris>
 void add_new(std::vector<Ephemeris>& all, const Ephemeris& e) {
     const bool known = std::any_of(all.rbegin(), all.rend(), [&](const Ephemeris& o) {

@@ -12,7 +12,7 @@ namespace schuler::io::detail {
 
 static_assert(std::endian::native == std::endian::little, "binary logs are read as they lie in memory");
 
-/// The number at a place that is known to be inside.
+/// The number at a position known to be inside the buffer.
 template <class T>
 [[nodiscard]] inline T load(const char* at) {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -21,7 +21,7 @@ template <class T>
     return value;
 }
 
-/// Likewise; zero where it would reach beyond the end.
+/// The same; zero if it would extend beyond the end.
 template <class T>
 [[nodiscard]] inline T load(std::string_view bytes, std::size_t at) {
     return at <= bytes.size() && bytes.size() - at >= sizeof(T) ? load<T>(bytes.data() + at) : T{};

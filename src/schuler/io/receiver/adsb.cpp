@@ -40,7 +40,7 @@ int hex_digit(char c) {
     return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
 }
 
-/// 12-bit altitude with 25 ft steps, m; NaN where not told or in the old code of 100 ft.
+/// 12-bit altitude with 25 ft steps, m; NaN if not reported or in the old 100 ft code.
 double altitude(std::uint32_t code) {
     if (code == 0 || (code & 0x10) == 0) return not_given;
     const std::uint32_t n = (code & 0xfe0) >> 1 | (code & 0xf);
@@ -48,11 +48,11 @@ double altitude(std::uint32_t code) {
 }
 
 Time ticks(std::uint64_t count) {
-    // 12 MHz: 250/3 ns a tick
+    // 12 MHz: 250/3 ns per tick
     return {static_cast<std::int64_t>(count * 250 / 3)};
 }
 
-/// What is remembered of one address.
+/// State of one address.
 struct Track {
     std::array<std::optional<CompactPosition>, 2> last;  ///< even, odd
     std::array<Time, 2> time{};
@@ -135,7 +135,7 @@ void read_beast(std::string_view text, Decoder& decoder) {
         for (; n < 7 + length && i < text.size(); ++n, ++i) {
             const auto byte = static_cast<std::uint8_t>(text[i]);
             if (byte == 0x1a) {
-                if (i + 1 >= text.size() || static_cast<unsigned char>(text[i + 1]) != 0x1a) break;  // a new frame begins
+                if (i + 1 >= text.size() || static_cast<unsigned char>(text[i + 1]) != 0x1a) break;  // a new frame starts
                 ++i;
             }
             frame[n] = byte;

@@ -14,9 +14,9 @@ namespace schuler::io {
 
 namespace {
 
-constexpr std::size_t looked_at = 65536, least_looked_at = 1000;  // samples, to tell a format
-constexpr float wanted_rms = 24.0F;                               // steps: quantization costs 0.001 dB, clipping is 5 sigma away
-constexpr unsigned sign_bit = 0x80U;                              ///< turned over, signed bytes become unsigned ones less 128
+constexpr std::size_t looked_at = 65536, least_looked_at = 1000;  // samples, for recognising a format
+constexpr float wanted_rms = 24.0F;                               // steps: quantisation costs 0.001 dB, clipping is 5 sigma away
+constexpr unsigned sign_bit = 0x80U;                              ///< if inverted, signed bytes become unsigned ones less 128
 constexpr const char* own_format = "give the format it was written in: ibyte, ubyte, ishort or gr_complex";
 
 static_assert(std::endian::native == std::endian::little, "words and floats are read as they lie");
@@ -30,7 +30,7 @@ float value_at(const char* raw) {
     return static_cast<float>(out);
 }
 
-/// The numbers of one sample as written; unsigned bytes about their middle.
+/// The numbers of one sample as stored; unsigned bytes relative to their middle.
 std::complex<float> sample_at(const char* raw, IfEncoding encoding) {
     switch (encoding) {
         case IfEncoding::SignedBytes: return {value_at<std::int8_t>(raw), value_at<std::int8_t>(raw + 1)};
@@ -43,7 +43,7 @@ std::complex<float> sample_at(const char* raw, IfEncoding encoding) {
 
 int turned(char byte, unsigned turned_over) { return static_cast<std::int8_t>(static_cast<unsigned char>(byte) ^ turned_over); }
 
-/// Share of bytes in the outer quarter of the scale.
+/// Fraction of bytes in the outer quarter of the scale.
 double outer_share(std::span<const char> raw, unsigned turned_over) {
     const auto outside = [&](char c) {
         const int v = turned(c, turned_over);
@@ -52,7 +52,7 @@ double outer_share(std::span<const char> raw, unsigned turned_over) {
     return static_cast<double>(std::ranges::count_if(raw, outside)) / static_cast<double>(raw.size());
 }
 
-/// Low and high bytes of words are alike, and the low ones not spread over their whole scale: two bytes were taken for a word.
+/// Low and high bytes of words have similar statistics, and low ones are not uniform: two bytes were read as a word.
 bool words_made_of_bytes(std::span<const char> raw, unsigned turned_over) {
     double low = 0.0, high = 0.0;
     for (std::size_t i = 0; i + 1 < raw.size(); i += 2) {
@@ -61,7 +61,7 @@ bool words_made_of_bytes(std::span<const char> raw, unsigned turned_over) {
         high += b * b;
     }
     const double words = static_cast<double>(raw.size()) / 2.0;
-    constexpr double even = 128.0 * 128.0 / 3.0;  // mean square of a byte spread evenly
+    constexpr double even = 128.0 * 128.0 / 3.0;  // mean square of a uniformly distributed byte
     return high > words && low < 0.65 * even * words && std::max(low, high) < 4.0 * std::min(low, high);
 }
 
@@ -177,7 +177,7 @@ bool IfFile::read(std::span<std::complex<std::int8_t>> out) {
     raw_.resize(each * out.size());
     if (!file_.read(raw_.data(), static_cast<std::streamsize>(raw_.size()))) return false;
     if (encoding_ == IfEncoding::UnsignedBytes) {
-        // the middle 127.5 is no step: half a step of constant remains
+        // the middle 127.5 is not a step: a constant of half a step remains
         for (std::size_t i = 0; i < out.size(); ++i)
             out[i] = {static_cast<std::int8_t>(static_cast<unsigned char>(raw_[2 * i]) - 128),
                       static_cast<std::int8_t>(static_cast<unsigned char>(raw_[2 * i + 1]) - 128)};

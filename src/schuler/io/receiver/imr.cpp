@@ -1,4 +1,4 @@
-// Waypoint IMR: raw IMU data as Inertial Explorer reads them, a header of 512 bytes and records of 32 [WaypointIMR].
+// Waypoint IMR: raw IMU data in the format of Inertial Explorer, a header of 512 bytes and records of 32 [WaypointIMR].
 #include "schuler/core/error.h"
 #include "schuler/core/time.h"
 #include "schuler/core/units.h"
@@ -21,7 +21,7 @@ namespace {
 constexpr std::string_view imr_mark("$IMURAW\0", 8);
 constexpr std::size_t imr_header_size = 512, record_size = 32;
 
-/// A number in the byte order that the header states.
+/// A number in the byte order stated in the header.
 template <class T>
 T value_at(std::string_view bytes, std::size_t at, bool big) {
     std::array<char, sizeof(T)> raw{};

@@ -31,7 +31,7 @@ int hex_value(char c) {
     return -1;
 }
 
-/// The fields of a sentence between '$' and '*' where the checksum is right.
+/// The fields of a sentence between '$' and '*' if the checksum is correct.
 std::optional<Fields> checked_fields(std::string_view line) {
     const std::size_t star = line.find('*');
     if (star == std::string_view::npos || star + 2 >= line.size() || line.size() > 512) return std::nullopt;
@@ -77,16 +77,16 @@ std::int64_t ns_of_day(const detail::MinuteAndRest& t) {
 /// Midnight of a UTC date as nanoseconds since 1980-01-06 counted without leap seconds.
 std::int64_t midnight(int year, int month, int day) { return gps_from_calendar({year, month, day, 0, 0, 0.0}).ns; }
 
-/// What the sentences of one time of day say.
+/// Data of the sentences of one time of day.
 struct Epoch {
     std::int64_t time_of_day = -1;
-    int day = 0;                       ///< midnights passed since the start of the log
-    std::optional<std::int64_t> date;  ///< midnight, where a sentence gives it
+    int day = 0;                       ///< number of midnights since the start of the log
+    std::optional<std::int64_t> date;  ///< midnight, if given by a sentence
     double lat = not_given, lon = not_given, msl = not_given, separation = not_given;
     double speed = not_given, course = not_given;
     Eigen::Vector3d std_position = not_given3();
     FixType fix = FixType::Unknown;
-    bool invalid = false;  ///< a sentence says that there is no fix
+    bool invalid = false;  ///< a sentence states that there is no fix
     int satellites = -1;
 };
 
@@ -138,7 +138,7 @@ public:
     NmeaLog log;
 
 private:
-    /// Moves on to the epoch of a sentence's time; false where the field is empty or damaged.
+    /// Moves to the epoch of a sentence's time; false if the field is empty or damaged.
     bool at_time(std::string_view hhmmss) {
         const auto t = clock(hhmmss);
         if (!t) return false;
@@ -224,7 +224,7 @@ private:
         return true;
     }
 
-    /// No time of its own: belongs to the epoch before it.
+    /// Has no time: belongs to the previous epoch.
     void vtg(const Fields& f) {
         if (epoch_.time_of_day < 0 || !std::isnan(epoch_.speed)) return;
         const double km_h = number(f, 7), knots = number(f, 5);
@@ -242,7 +242,7 @@ private:
         return !std::isnan(epoch_.lat) && !std::isnan(epoch_.lon);
     }
 
-    /// Gives every epoch a date: its own, else counted in midnights from the last one before it (or the first after it).
+    /// Assigns a date to every epoch: its own, else counted in midnights from the last one before it (or the first after it).
     void date_epochs() {
         std::optional<std::int64_t> base;
         for (const Epoch& e : epochs_) {
@@ -274,7 +274,7 @@ private:
         fix.position = {e.lat, e.lon, e.msl + (std::isnan(e.separation) ? 0.0 : e.separation)};
         if (std::isnan(e.separation) && !std::isnan(e.msl)) log.height = HeightKind::Msl;
         if (e.speed >= 0.0) {
-            // A receiver at rest leaves the course empty.
+            // A receiver at rest leaves the course field empty.
             if (!std::isnan(e.course)) fix.velocity_n = {e.speed * std::cos(e.course), e.speed * std::sin(e.course), not_given};
             else if (e.speed < 0.5) fix.velocity_n = {0.0, 0.0, not_given};
         }

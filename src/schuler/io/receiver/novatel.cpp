@@ -61,7 +61,7 @@ const ImuScale* scale_of(int type) {
     return it == scales.end() ? nullptr : &it->second;
 }
 
-/// The type of an IMU by its name in CONNECTIMU, SETIMUTYPE and INSCONFIG; -1 where it is of none above.
+/// The type of an IMU by its name in CONNECTIMU, SETIMUTYPE and INSCONFIG; -1 if not listed above.
 int type_of(std::string_view name) {
     if (name.starts_with("IMU_")) name.remove_prefix(4);
     // clang-format off
@@ -75,7 +75,7 @@ int type_of(std::string_view name) {
     return it == types.end() ? -1 : it->second;
 }
 
-/// RAWIMU itself does not say of which IMU it is: a command in the log of the configuration may.
+/// RAWIMU does not contain its IMU type: a command in the log of the configuration may.
 int configured_imu(std::string_view bytes) {
     for (const std::string_view command : {std::string_view("CONNECTIMU"), std::string_view("SETIMUTYPE")}) {
         for (std::size_t at = bytes.find(command); at != std::string_view::npos; at = bytes.find(command, at + 1)) {
@@ -116,7 +116,7 @@ unsigned code_of(std::string_view word) {
     return it == codes.end() ? unknown : it->second;
 }
 
-/// Whether the receiver has integrated its inertial unit into it (types of the INS).
+/// True if the receiver's solution includes its inertial unit (INS types).
 bool is_blended(unsigned type) { return (type >= 51 && type <= 56) || type == 73 || type == 74 || type == 79 || type == 80; }
 
 class NovatelReader {
@@ -124,15 +124,15 @@ public:
     std::set<std::string> others;
     std::optional<int> unknown_imu;
     detail::NovatelScan scan;
-    std::size_t corrected = 0;   ///< logs of IMU data without gravity
-    std::size_t blended = 0;     ///< fixes of the first kind that hold the receiver's own integration
-    std::size_t compressed = 0;  ///< raw measurements in a form that is not read
+    std::size_t corrected = 0;   ///< logs of IMU data with gravity removed
+    std::size_t blended = 0;     ///< fixes of the first kind that include the receiver's own integration
+    std::size_t compressed = 0;  ///< raw measurements in an unsupported form
     bool encrypted = false;
 
     void read(std::string_view bytes) {
         imu_type_ = configured_imu(bytes);
         scan = detail::scan_novatel(bytes, [this](const NovatelMessage& m) {
-            if (m.secondary) return true;  // of the second antenna
+            if (m.secondary) return true;  // from the second antenna
             if (detail::is_compressed(m)) ++compressed;
             else if (m.name.empty()) message(m.id, m.ns, m.payload);
             else sentence(m.name, m.ns, m.cells);
@@ -143,9 +143,9 @@ public:
     void finish(StreamLog& log) {
         log.clock = Clock::Gps;
         if (!waiting_.empty()) unknown_imu = -1;
-        if (others.contains("43") || others.contains("RANGE")) compressed = 0;  // the same in full
+        if (others.contains("43") || others.contains("RANGE")) compressed = 0;  // the same data in full
         log.add(std::move(imu_));
-        // what the receiver's own integration had no part in first
+        // solutions without the receiver's own integration first
         static constexpr std::array<const char*, 3> sources = {"BESTGNSSPOS, BESTGNSSVEL", "BESTPOS, BESTVEL", "PSRPOS, PSRVEL"};
         for (std::size_t k = 0; k < sources.size(); ++k) {
             Stream fixes("gnss", TableKind::Gnss, sources[k],
@@ -165,7 +165,7 @@ public:
     }
 
 private:
-    /// Numbers of a binary log, each at its place; a log of another length is passed over.
+    /// Numbers of a binary log by position; a log of another length is ignored.
     void message(int id, std::int64_t ns, std::string_view p) {
         const auto d = [&](std::size_t at) { return load<double>(p, at); };
         const auto f = [&](std::size_t at) { return static_cast<double>(load<float>(p, at)); };
@@ -213,7 +213,7 @@ private:
             case 812:
             case 813:
             case 1362:
-            case 2264: ++corrected; break;  // CORRIMUDATA(S), IMURATECORRIMUS, CORRIMUS: gravity is taken out
+            case 2264: ++corrected; break;  // CORRIMUDATA(S), IMURATECORRIMUS, CORRIMUS: gravity is removed
             case 1945:
                 if (const auto type = p.size() >= 4 ? load<std::int32_t>(p, 0) : 0; imu_type_ < 0 && type > 0) name_imu(type);
                 break;  // INSCONFIG
@@ -225,7 +225,7 @@ private:
     int type_in(int information, int type) {
         encrypted = encrypted || (information & 2) != 0;
         if (imu_type_ != type) name_imu(type);
-        return (information & 2) != 0 ? -2 : type < 0 ? -3 : type;  // encrypted; a name that is not known
+        return (information & 2) != 0 ? -2 : type < 0 ? -3 : type;  // encrypted; an unknown name
     }
 
     static std::int64_t week_time(std::uint32_t week, double seconds) { return detail::novatel_time(week, seconds); }
@@ -276,12 +276,12 @@ private:
         if (ns == 0) return;
         GnssFix& f = fixes_[source][ns];
         if (computed && is_blended(type)) ++blended_[source];
-        f.position = {p[0], p[1], p[2]};  // degrees, as the stream has them
+        f.position = {p[0], p[1], p[2]};  // degrees, as in the stream
         f.std_position = {sigma[0], sigma[1], sigma[2]};
         f.satellites = satellites >= 0.0 && satellites < 1000.0 ? static_cast<int>(satellites) : -1;
         f.fix = computed ? fix_of_code(type) : FixType::None;
     }
-    /// `latency`: s, by which the velocity is older than its log.
+    /// `latency`: s, age of the velocity relative to its log.
     void velocity(std::size_t source, std::int64_t ns, bool computed, double latency, double speed, double course_deg,
                   double up) {
         constexpr double longest = 10.0;  // s
@@ -294,7 +294,7 @@ private:
     /// lat, lon, height, north, east, up, roll, pitch, azimuth
     void solution(std::int64_t ns, const std::array<double, 9>& s, std::uint32_t status) {
         if (ns == 0 || (status != 2 && status != 3 && status != 6 && status != 7))
-            return;  // no attitude, or one that is only being found
+            return;  // no attitude, or alignment not complete
         solution_.add(ns, {s[0], s[1], s[2], s[3], s[4], -s[5], s[6], s[7], s[8]});
     }
     struct Increments {
@@ -302,7 +302,7 @@ private:
         double az, minus_ay, ax, gz, minus_gy, gx;
     };
 
-    /// The log has told of which IMU RAWIMU is: what came before is of it too.
+    /// The log has identified the IMU of RAWIMU: this also applies to earlier data.
     void name_imu(int type) {
         imu_type_ = type;
         if (type < 0) return;
@@ -336,7 +336,7 @@ private:
         {"lat_deg", "lon_deg", "height_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "roll_deg", "pitch_deg", "heading_deg"}};
     std::array<std::map<std::int64_t, GnssFix>, 3> fixes_;
     std::array<std::size_t, 3> blended_{};
-    std::vector<Increments> waiting_;  ///< of RAWIMU, before the log tells of which IMU
+    std::vector<Increments> waiting_;  ///< from RAWIMU, before the log identifies the IMU
     int imu_type_ = -1;
 };
 

@@ -95,7 +95,7 @@ public:
         }
     }
 
-    /// After the last log.
+    /// To be called after the last log.
     void finish() {
         order_epochs();
         find_losses();
@@ -131,12 +131,12 @@ private:
         if (epoch.count > 0) log.epochs.push_back(epoch);
     }
 
-    /// Leaves out the fewest epochs that make the times grow: one stamped too late is left out, not all that follow it.
+    /// Omits the smallest number of epochs that makes the times increase: a single late stamp, not all epochs after it.
     void order_epochs() {
         gnss::ObservationLog& log = result.observations;
         constexpr std::size_t none = SIZE_MAX;
         std::vector<std::size_t> ends,
-            before(log.epochs.size(), none);  // ends[k]: of the growing chains of k + 1 epochs that ending first
+            before(log.epochs.size(), none);  // ends[k]: the earliest-ending increasing sequence of k + 1 epochs
         for (std::size_t i = 0; i < log.epochs.size(); ++i) {
             const auto at =
                 std::ranges::lower_bound(ends, log.epochs[i].time, {}, [&](std::size_t e) { return log.epochs[e].time; });
@@ -165,7 +165,7 @@ private:
         locks_.resize(to);
     }
 
-    /// Where the time of lock did not grow with the time.
+    /// Epochs where the lock time did not increase with time.
     void find_losses() {
         struct Held {
             Time time;
@@ -180,7 +180,7 @@ private:
                 const Lock& lock = locks_[i];
                 const double since = std::min((e.time - before.time).seconds(), 1e6);
                 const double expected = static_cast<double>(before.lock.seconds) + since;
-                // the log has it in single precision: a sixteenth of a second after six days
+                // stored in single precision: resolution of a sixteenth of a second after six days
                 const double rounding = static_cast<double>(std::numeric_limits<float>::epsilon()) * std::abs(expected);
                 const bool lost = before.time.ns == 0 || lock.behind_a_gap ||
                                   static_cast<double>(lock.seconds) + 0.05 + rounding < expected ||
@@ -214,7 +214,7 @@ private:
         o.signal = *signal;
         if (code_locked && psr > 1e6 && psr < 1e9) o.pseudorange = psr;
         if (phase_locked && std::isfinite(adr) && std::abs(adr) < 1e10 && adr != 0.0)
-            o.phase = -adr;  // the log's falls as the range grows
+            o.phase = -adr;  // the phase in the log decreases as the range increases
         if (std::isfinite(doppler) && std::abs(doppler) < 1e6) o.doppler = doppler;
         if (cn0 > 0.0 && cn0 < 100.0) o.cn0 = cn0;
         if (satellite->system == System::Glonass && frequency <= 20) {
@@ -243,7 +243,7 @@ private:
         k.health = static_cast<int>(u() & 0x3FU);
         k.iode = static_cast<int>(u() & 0xFFU);
         const auto other_issue = static_cast<int>(u() & 0xFFU);
-        (void)u();  // the week, and the week of the reference: the header's time tells both
+        (void)u();  // the week, and the week of the reference: both follow from the header's time
         (void)u();
         const double toe = d();
         k.sqrt_a = std::sqrt(d());
@@ -263,7 +263,7 @@ private:
         add(k);
     }
 
-    /// The three subframes of an ephemeris as they were sent, parity removed.
+    /// The three subframes of an ephemeris as transmitted, parity removed.
     void subframes(const NovatelMessage& m, Time now) {
         NovatelFields f(m);
         const auto satellite = satellite_of(0, static_cast<int>(std::min<std::uint32_t>(f.next<std::uint32_t>(), 1000)));
@@ -299,7 +299,7 @@ private:
         if (!satellite) return;
         g.satellite = *satellite;
         g.channel = f.next<std::uint16_t>() - 7;
-        f.skip(2, 2);  // kind of satellite
+        f.skip(2, 2);  // satellite type
         const double week = f.next<std::uint16_t>();
         const double toe = std::round(1e-3 * f.next<std::uint32_t>());
         f.skip(4 + 2 + 1 + 1 + 4, 5);  // offset to GLONASS time, day, two reserved, issue
@@ -308,7 +308,7 @@ private:
         g.clock = -f.next<double>();
         g.l2_delay = f.next<double>();
         g.clock_rate = f.next<double>();
-        f.skip(4 + 4 + 4, 3);  // when it was sent, technology, accuracy
+        f.skip(4 + 4 + 4, 3);  // transmission time, technology, accuracy
         g.age_days = static_cast<int>(std::min<std::uint32_t>(f.next<std::uint32_t>(), 1000));
         g.toe = g.transmission = Time{detail::novatel_time(week, toe)};
         if (f.is_short() || g.toe.ns == 0 || g.channel < -7 || g.channel > 13 || !detail::is_sound(g)) return;
@@ -399,7 +399,7 @@ private:
         if (leap >= 0 && leap < 100) result.navigation.leap_seconds = leap;
     }
 
-    std::vector<Measured> measured_;                     ///< of the epoch that is read
+    std::vector<Measured> measured_;                     ///< of the current epoch
     std::vector<Lock> locks_;                            ///< of each observation
     std::set<std::pair<SatelliteId, Signal>> unlocked_;  ///< whose last measurement had no phase
     detail::FrameCollector frames_;

@@ -13,11 +13,11 @@ struct NovatelRaw {
     gnss::Navigation navigation;        ///< of GPSEPHEM or RAWEPHEM, GLOEPHEMERIS, GALEPHEMERIS, BDSEPHEMERIS, IONUTC
 };
 
-/// Reads a log, ASCII or binary, in one pass [NovAtelOEM7]. Logs with a wrong check sum are skipped and told with their byte offset; of
-/// epochs whose times do not grow the fewest are left out. @throws Error(Input): not readable.
+/// Reads a log, ASCII or binary, in one pass [NovAtelOEM7]. Logs with a wrong checksum are skipped and reported with their byte
+/// offset; if epoch times do not increase, the smallest number of epochs is omitted. @throws Error(Input): not readable.
 [[nodiscard]] NovatelRaw read_novatel_raw(const TextInput& input, WarningLog& log);
 
-/// Whether the first bytes have one of these logs. Never throws on content.
+/// True if the first bytes contain one of these logs. Never throws on content.
 [[nodiscard]] bool is_novatel_raw(const TextInput& input);
 
 }  // namespace schuler::io

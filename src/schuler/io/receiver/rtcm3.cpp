@@ -21,7 +21,7 @@ using detail::Decoded;
 
 constexpr char preamble = '\xd3';
 
-/// Payload of the frame at the start of the bytes; nothing where it is cut or its checksum is wrong.
+/// Payload of the frame at the start of the bytes; empty if it is truncated or its checksum is wrong.
 std::optional<std::string_view> payload_at(std::string_view bytes) {
     constexpr std::size_t head = 3, check = 3;
     if (bytes.size() < head + check) return std::nullopt;
@@ -32,7 +32,7 @@ std::optional<std::string_view> payload_at(std::string_view bytes) {
     return bytes.substr(head, length);
 }
 
-/// Calls `frame(payload, offset)` for each good frame and `damaged(offset)` for what only begins like one. False ends the search.
+/// Calls `frame(payload, offset)` for each valid frame and `damaged(offset)` for an invalid one. False ends the search.
 template <class Frame, class Damaged>
 void each_frame(std::string_view bytes, Frame frame, Damaged damaged) {
     for (std::size_t at = bytes.find(preamble); at != std::string_view::npos; at = bytes.find(preamble, at)) {
@@ -45,9 +45,9 @@ void each_frame(std::string_view bytes, Frame frame, Damaged damaged) {
 
 int number_of(std::string_view payload) { return static_cast<int>(detail::Bits(payload).at(0, 12)); }
 
-/// The date of a stream by its first ephemeris of the system that counts the most weeks; a recording cannot be later than `near`.
+/// The date of a stream from its first ephemeris of the system with the longest week count; not later than `near`.
 std::optional<Time> date_of(std::string_view bytes, Time near) {
-    constexpr Duration doubt{gnss::week_ns};  // of clocks that set the times of files
+    constexpr Duration doubt{gnss::week_ns};  // of the clocks that determine file times
     std::optional<detail::MessageDate> best;
     each_frame(
         bytes,
@@ -74,7 +74,7 @@ public:
                 return true;
             },
             [&](std::size_t at) {
-                // text between frames may hold the preamble's byte: a frame is damaged only where frames had been before
+                // text between frames may contain the preamble byte: a frame is counted as damaged only after valid frames
                 if (frames_ > 0) bad(at);
             });
         finish_epoch();
@@ -111,8 +111,8 @@ private:
 
     void add(detail::MsmEpoch& epoch) {
         auto& log = result.observations;
-        // Some senders give BeiDou's messages the GPS time of the others; the flag of the message before says that they belong
-        // together.
+        // Some sources use the GPS time of the others for BeiDou messages; the flag of the previous message shows that they
+        // belong together.
         if (more_ && epoch.time - current_.time == gnss::lag_of(gnss::System::BeiDou)) epoch.time = current_.time;
         more_ = epoch.more;
         if (epoch.time != current_.time || log.observations.size() == current_.first) {
@@ -147,7 +147,7 @@ private:
 
     Time now_;
     bool more_ = false;
-    static constexpr int unknown_lock = 1 << 20;  ///< longer than any: what follows counts as a new phase
+    static constexpr int unknown_lock = 1 << 20;  ///< longer than any: the following phase counts as new
     std::map<std::pair<gnss::SatelliteId, gnss::Signal>, int> locks_;
     gnss::ObservationEpoch current_;
     std::size_t frames_ = 0;

@@ -14,15 +14,15 @@ struct Rtcm3Log {
     RecordCounts records;               ///< messages; first_bad_line is a byte offset
 };
 
-/// Reads a stream [RTCM10403]. Measurements carry no date. Where there are ephemerides (1019, 1042, 1045, 1046) their weeks date
-/// the stream, so that `near` may be any later instant (up to 19 years with GPS alone, 78 with Galileo); without them it must be
-/// less than half a week from the first measurement, and the log tells the date taken. Later times follow from the first. Other
-/// messages are counted as foreign, bytes between frames passed over; a wrong checksum skips the frame and is told with its byte
-/// offset. Messages of one instant make one epoch.
-/// @throws Error(Input): no frame with a right checksum, none of use.
+/// Reads a stream [RTCM10403]. Measurements have no date. If there are ephemerides (1019, 1042, 1045, 1046) their weeks date the
+/// stream, so that `near` may be any later instant (up to 19 years with GPS alone, 78 with Galileo); without them it must be less
+/// than half a week from the first measurement, and the log reports the date used. Later times follow from the first. Other
+/// messages are counted as foreign, bytes between frames are ignored; a frame with a wrong checksum is skipped and reported with
+/// its byte offset. Messages of one instant form one epoch.
+/// @throws Error(Input): no frame with a correct checksum, no usable frame.
 [[nodiscard]] Rtcm3Log read_rtcm3(const TextInput& input, Time near, WarningLog& log);
 
-/// Whether the first bytes have a frame with a right checksum. Never throws on content.
+/// True if the first bytes contain a frame with a correct checksum. Never throws on content.
 [[nodiscard]] bool is_rtcm3(const TextInput& input);
 
 }  // namespace schuler::io

@@ -40,8 +40,8 @@ std::optional<SatelliteId> satellite_of(int gnss_id, int number) {
     return SatelliteId{systems[static_cast<std::size_t>(gnss_id)], static_cast<std::uint8_t>(number)};
 }
 
-/// Signal identifiers of [UBloxF9:1.5.4]; modes in which data and pilot are combined or told apart by the receiver's settings only
-/// are written as X, as converters do.
+/// Signal identifiers of [UBloxF9:1.5.4]; modes in which data and pilot are combined, or distinguished only by the receiver's
+/// settings, are written as X, as in converters.
 // clang-format off
 constexpr std::array<SignalCode, 33> ubx_codes = {{
     {System::Gps, 0, {'1', 'C'}},     {System::Gps, 3, {'2', 'X'}},     {System::Gps, 4, {'2', 'X'}},
@@ -119,7 +119,7 @@ private:
         epoch.first = log.observations.size();
         for (std::size_t i = 0; i < count; ++i) measurement(p.substr(head + block * i, block));
         epoch.count = log.observations.size() - epoch.first;
-        // side by side by satellite, satellites in the order of their first signal
+        // grouped by satellite, satellites in the order of their first signal
         const auto begin = log.observations.begin() + static_cast<std::ptrdiff_t>(epoch.first);
         std::vector<SatelliteId> order;
         for (auto o = begin; o != log.observations.end(); ++o) {
@@ -155,7 +155,7 @@ private:
         const bool half_subtracted = (status & 8U) != 0;
         Held& before = held_[{o.satellite, o.signal}];
         if (std::isfinite(o.phase)) {
-            // the receiver counts how long it has held the phase; subtracting half a cycle makes it jump
+            // the receiver counts the duration of phase lock; subtracting half a cycle causes a jump
             const bool lost = lock == 0 || lock < before.lock || before.lock < 0 || half_subtracted != before.half_subtracted;
             o.loss_of_lock = static_cast<std::uint8_t>((lost ? 1 : 0) | (half_cycle_known ? 0 : 2));
         }
@@ -179,7 +179,7 @@ private:
         const int signal = number_at<std::uint8_t>(p, 2);
         const auto word = [&](std::size_t i) { return number_at<std::uint32_t>(p, head + 4 * i); };
         if ((satellite->system == System::Gps || satellite->system == System::Qzss) && count == 10) {
-            // civil messages of other signals have the same number of words, and another preamble
+            // civil messages of other signals have the same number of words, but another preamble
             std::array<std::uint32_t, 10> words{};
             for (std::size_t i = 0; i < 10; ++i) words[i] = word(i) >> 6 & 0xFFFFFFU;
             if (!frames_.gps_subframe(*satellite, words, *now_)) ++result.records.foreign;
@@ -214,7 +214,7 @@ private:
                   day = number_at<std::uint8_t>(p, 7);
         const int hour = number_at<std::uint8_t>(p, 8), minute = number_at<std::uint8_t>(p, 9),
                   second = number_at<std::uint8_t>(p, 10);
-        if ((valid & 3U) != 3U || kind < 2 || kind > 4) return true;  // no time or no position yet
+        if ((valid & 3U) != 3U || kind < 2 || kind > 4) return true;  // time or position not yet available
         if (!detail::is_date(year, month, day) || hour > 23 || minute > 59 || second > 60) return false;
         GnssFix f;
         f.time = gps_from_utc({year, month, day, hour, minute, static_cast<double>(second)}) +
@@ -238,9 +238,9 @@ private:
         return true;
     }
 
-    /// State of a phase at the epoch before.
+    /// State of a phase at the previous epoch.
     struct Held {
-        int lock = -1;  ///< ms; -1: there was none
+        int lock = -1;  ///< ms; -1: none
         bool half_subtracted = false;
     };
     std::map<std::pair<SatelliteId, Signal>, Held> held_;

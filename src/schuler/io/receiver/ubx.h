@@ -1,4 +1,4 @@
-// Logs of u-blox receivers: raw measurements, the satellites' messages, the receiver's own fixes.
+// Logs of u-blox receivers: raw measurements, navigation messages of the satellites, the receiver's own fixes.
 #pragma once
 
 #include "schuler/core/log.h"
@@ -17,15 +17,15 @@ struct UbxLog {
     std::vector<GnssFix> fixes;         ///< of NAV-PVT with a fix, in GPS time
     RecordCounts records;               ///< messages; first_bad_line is a byte offset
     std::size_t empty_epochs = 0;       ///< RAWX without measurements
-    std::size_t unknown_signals = 0;    ///< measurements of satellites or signals that have no place here
+    std::size_t unknown_signals = 0;    ///< measurements of unsupported satellites or signals
 };
 
-/// Reads a log in one pass [UBloxF9]: RXM-RAWX, RXM-SFRBX, NAV-PVT; other messages are counted as foreign, other bytes (NMEA between
-/// them) passed over. A wrong checksum or length skips the message and is told with its byte offset. An epoch whose week is absurd
-/// or that is not later than the one before is left out. @throws Error(Input): no UBX message, none of use.
+/// Reads a log in one pass [UBloxF9]: RXM-RAWX, RXM-SFRBX, NAV-PVT; other messages are counted as foreign, other bytes (NMEA
+/// between them) ignored. A message with a wrong checksum or length is skipped and reported with its byte offset. An epoch with
+/// an absurd week or not later than the previous one is omitted. @throws Error(Input): no UBX message, no usable one.
 [[nodiscard]] UbxLog read_ubx(const TextInput& input, WarningLog& log);
 
-/// Whether the first bytes have a UBX message with a right checksum. Never throws on content.
+/// True if the first bytes contain a UBX message with a correct checksum. Never throws on content.
 [[nodiscard]] bool is_ubx(const TextInput& input);
 
 }  // namespace schuler::io

@@ -1,4 +1,4 @@
-// The inertial sensors inside u-blox receivers: ESF-RAW and ESF-MEAS [UBloxM8], on the time of the fixes between them.
+// The inertial sensors inside u-blox receivers: ESF-RAW and ESF-MEAS [UBloxM8], with the time of the interspersed fixes.
 #include "schuler/core/error.h"
 #include "schuler/core/units.h"
 #include "schuler/io/bytes.h"
@@ -22,12 +22,12 @@ namespace {
 
 using detail::number_at;
 
-/// Values of one kind: x, y, z with the ticks of the sensors' clock, in s.
+/// Values of one kind: x, y, z with the sensors' clock ticks, in s.
 struct Axis {
     std::vector<double> time, value;
 };
 
-/// When, by the sensors' clock and by GPS, something was logged.
+/// Logging instant by the sensors' clock and by GPS.
 struct Mark {
     double sensor, gps;
 };
@@ -90,7 +90,7 @@ private:
         week_start_ = t.ns - std::int64_t{tow_ms} * 1'000'000;
     }
 
-    /// Sentences between the messages: RMC gives date and time where NAV-PVT is not logged.
+    /// Sentences between the messages: RMC gives date and time if NAV-PVT is not logged.
     void text(std::string_view t) {
         for (std::size_t at = t.find("RMC,"); at != std::string_view::npos; at = t.find("RMC,", at + 4)) {
             std::array<std::string_view, 10> cells;
@@ -112,7 +112,7 @@ private:
     }
 
     static double signed24(std::uint32_t word) {
-        return static_cast<double>(static_cast<std::int32_t>(word << 8) >> 8);  // the sign of 24 bits
+        return static_cast<double>(static_cast<std::int32_t>(word << 8) >> 8);  // sign extension from 24 bits
     }
 
     void value(std::uint32_t word, double time, std::array<Axis, 3>& w, std::array<Axis, 3>& f) {
@@ -133,7 +133,7 @@ private:
         }
     }
 
-    /// A counter of 32 bits that begins anew, carried on.
+    /// Continues a 32-bit counter that wraps.
     static double carried(std::uint32_t ticks, std::optional<std::int64_t>& last) {
         std::int64_t t = ticks;
         if (last) t = *last + static_cast<std::int32_t>(ticks - static_cast<std::uint32_t>(*last));
@@ -190,11 +190,11 @@ public:
     std::vector<Mark> measured_marks;
 };
 
-/// The straight line from the sensors' clock to GPS time. A message is logged after the epoch that stands before it: of the differences the
-/// largest are those of messages right behind their epoch.
+/// The linear relation between the sensors' clock and GPS time. A message is logged after the preceding epoch: the largest
+/// differences are those of messages immediately after their epoch.
 struct ClockLine {
     double offset = 0.0, drift = 0.0, from = 0.0;
-    /// The offset apart: a sum of both would be rounded to 0.2 us.
+    /// The offset is added separately: a floating sum would be rounded to 0.2 us.
     [[nodiscard]] std::int64_t ns(double sensor) const {
         return Time::from_seconds(offset).ns + Duration::from_seconds(sensor + drift * (sensor - from)).ns;
     }
@@ -209,7 +209,7 @@ ClockLine line_of(const std::vector<Mark>& marks) {
         return best;
     };
     const double early = largest(first, first + third), late = largest(last - third, last);
-    constexpr double long_enough = 180.0, much = 500e-6;  // s; no oscillator is worse
+    constexpr double long_enough = 180.0, much = 500e-6;  // s; above the drift of any oscillator
     const double drift = last - first > long_enough ? (late - early) / (2.0 * third) : 0.0;
     if (drift == 0.0 || std::abs(drift) > much) return {largest(first, last), 0.0, first};
     return {early, drift, first + 0.5 * third};
@@ -241,7 +241,7 @@ StreamLog ubx_streams(const TextInput& input, WarningLog& warnings) {
     try {
         fixes = read_ubx(content, warnings).fixes;
     } catch (const Error&) {
-        // a log of the sensors alone has nothing else
+        // a log of the sensors alone has no other content
     }
     if (fixes.empty()) {
         try {

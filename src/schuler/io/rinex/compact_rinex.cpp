@@ -22,7 +22,7 @@ struct CloseFile {
 };
 using InputFile = std::unique_ptr<std::FILE, CloseFile>;
 
-/// The program in the folders of PATH; empty where there is none.
+/// The program in the folders of PATH; empty if not found.
 std::string program() {
     const char* path = std::getenv("PATH");
     std::string_view rest = path != nullptr ? path : "";
@@ -37,7 +37,7 @@ std::string program() {
     return {};
 }
 
-/// Standard output of `command -` with `input` as standard input. False where it fails.
+/// Standard output of `command -` with `input` as standard input. False if it fails.
 bool run(const std::string& command, int input, int output) {
     const pid_t child = fork();
     if (child < 0) return false;

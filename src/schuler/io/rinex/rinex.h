@@ -10,12 +10,12 @@
 
 namespace schuler::io {
 
-/// What became of the records of a file.
+/// Number of records of a file by result.
 struct RecordCounts {
     std::size_t read = 0;      ///< used
-    std::size_t bad = 0;       ///< damaged, cut or absurd: skipped
-    std::size_t repeated = 0;  ///< epochs not later than the one before, ephemerides already there: skipped
-    std::size_t foreign = 0;   ///< of a kind that is not used: skipped
+    std::size_t bad = 0;       ///< damaged, truncated or absurd: skipped
+    std::size_t repeated = 0;  ///< epochs not later than the previous one, ephemerides already present: skipped
+    std::size_t foreign = 0;   ///< of an unused kind: skipped
     long first_bad_line = 0;   ///< line (text) or byte (binary) of the first bad one
 };
 
@@ -30,8 +30,8 @@ struct RinexObservations {
     std::size_t bad_lines = 0;  ///< satellite lines skipped inside good epochs
 };
 
-/// Reads observations in one pass; gz-compressed files too, and Hatanaka-compressed ones where the program crx2rnx is installed.
-/// Times become GPS time. A damaged epoch or satellite line is skipped, counted and its line told in the log.
+/// Reads observations in one pass; also gz-compressed files, and Hatanaka-compressed ones if the program crx2rnx is installed.
+/// Times are converted to GPS time. A damaged epoch or satellite line is skipped, counted and reported with its line in the log.
 /// @throws Error(Input): no RINEX observation file, no usable epoch, crx2rnx missing or failing.
 [[nodiscard]] RinexObservations read_rinex_observations(const TextInput& input, WarningLog& log);
 
@@ -41,7 +41,7 @@ struct RinexNavigation {
 };
 
 /// Reads ephemerides (LNAV, I/NAV, F/NAV, D1, D2, GLONASS FDMA, SBAS) and ionosphere coefficients; CNAV families are counted as
-/// foreign. Damaged records are skipped, counted and told in the log.
+/// foreign. Damaged records are skipped, counted and reported in the log.
 /// @throws Error(Input): no RINEX navigation file, no usable ephemeris.
 [[nodiscard]] RinexNavigation read_rinex_navigation(const TextInput& input, WarningLog& log);
 

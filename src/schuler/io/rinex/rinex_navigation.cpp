@@ -19,7 +19,7 @@ using detail::integer_in;
 using detail::real_in;
 using gnss::System;
 
-/// A record: its satellite line and what follows.
+/// A record: its satellite line and the following lines.
 struct Record {
     static constexpr std::size_t most_lines = 12;
     std::array<std::string_view, most_lines> lines;
@@ -81,7 +81,7 @@ private:
         return line.size() > 22 && !trimmed(line.substr(0, 2)).empty();
     }
 
-    /// Version 3 and 4, and files of version 2.12 that name satellites with their letter, have columns of their own.
+    /// Versions 3 and 4, and files of version 2.12 with satellite letters, have different columns.
     [[nodiscard]] bool is_wide(std::string_view satellite_line) const {
         return version_ >= 3.0 || gnss::system_from_letter(columns_of(satellite_line, 0, 1).empty() ? ' ' : satellite_line[0]);
     }
@@ -110,7 +110,7 @@ private:
             values[i] = real_in(line.substr(column + 12 * i, 12));
             if (!std::isfinite(values[i])) return;
         }
-        // BeiDou sends a set each hour: the first is kept, as it is complete with its partner
+        // BeiDou transmits a set each hour: the first is kept, because it is complete with its partner
         auto& half = (alpha ? alpha_ : beta_)[static_cast<std::size_t>(system)];
         if (!half) half = values;
         const auto &a = alpha_[static_cast<std::size_t>(system)], &b = beta_[static_cast<std::size_t>(system)];
@@ -160,7 +160,7 @@ private:
         if (!slot) slot = gnss::KlobucharCoefficients{{v[0], v[1], v[2], v[3]}, {v[4], v[5], v[6], v[7]}};
     }
 
-    /// Value `place` (from 0) of line `line` of a record, as broadcast; NaN where blank or damaged.
+    /// Value `place` (from 0) of line `line` of a record, as broadcast; NaN if blank or damaged.
     [[nodiscard]] double value(const Record& r, std::size_t line, std::size_t place) const {
         if (line >= r.count) return NAN;
         return real_in(columns_of(r.lines[line], (is_wide(r.lines[0]) ? 4 : 3) + 19 * place, 19));
@@ -231,7 +231,7 @@ private:
                          id.system == System::Galileo || id.system == System::BeiDou ? value_or_zero(r, 6, 3) : 0.0};
         if (id.system == System::Gps || id.system == System::Qzss) {
             k.iodc = detail::whole(value_or_zero(r, 6, 3));
-            // hours in version 3, a flag in some files: four hours where nothing is said
+            // hours in version 3, a flag in some files: four hours if not stated
             const double hours = value_or_zero(r, 7, 1);
             if (hours >= 2.0 && hours <= 200.0) k.fit_interval = hours * 3600.0;
         }
@@ -250,7 +250,7 @@ private:
             return (detail::whole(value_or_zero(r, 5, 1)) & clock_of_e5a) != 0 ? gnss::NavMessage::Fnav : gnss::NavMessage::Inav;
         }
         if (system == System::BeiDou) {
-            // before version 4 the satellite alone tells
+            // before version 4 only the satellite determines it
             const bool d2 = version_ >= 4.0 ? r.message == "D2" : gnss::is_geostationary_beidou(id);
             return d2 ? gnss::NavMessage::D2 : gnss::NavMessage::D1;
         }

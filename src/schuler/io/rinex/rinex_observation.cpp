@@ -16,7 +16,7 @@ namespace {
 
 using detail::integer_in;
 
-/// A field of 14 columns with a decimal point, as F14.3. False where damaged; NaN where blank or zero, which both mean "none".
+/// A field of 14 columns with a decimal point, as F14.3. False if damaged; NaN if blank or zero, which both mean "none".
 bool fixed_point(const char* p, std::size_t count, double& value) {
     static constexpr std::array<double, 14> powers = {1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13};
     const char* end = p + count;
@@ -105,7 +105,7 @@ private:
         epochs.push_back(epoch_);
     }
 
-    /// Events: so many header lines or cycle slip records follow.
+    /// Events: skips the stated number of header lines or cycle slip records.
     void skip_event() {
         for (int i = 0; i < satellites_ && lines_.peek() != '>' && lines_.next(); ++i) {}
         ++result.records.foreign;
@@ -148,7 +148,7 @@ private:
                                               line.substr(15, 11), scale()));
     }
 
-    /// False where fewer lines than announced followed: the epoch is kept with what there is.
+    /// False if fewer lines than announced followed: the epoch is kept with the available data.
     bool satellites_3() {
         for (int i = 0; i < satellites_; ++i) {
             if (lines_.peek() == '>' || !lines_.next()) return false;

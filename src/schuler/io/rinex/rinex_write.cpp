@@ -22,7 +22,7 @@ void line(std::string& out, const std::string& text, std::string_view label) {
     out += fmt::format("{:<60}{:<20}\n", text, label);
 }
 
-/// Calendar of a continuous time scale, with the second and the ticks of 100 ns after it kept apart.
+/// Calendar of a continuous time scale, with the second and the following ticks of 100 ns kept separate.
 struct Stamp {
     Calendar day;
     int second;
@@ -169,10 +169,10 @@ std::string record(const gnss::KeplerEphemeris& k) {
     std::string out;
     const System system = k.satellite.system;
     satellite_line(out, k.satellite, k.toc, k.af0, k.af1, k.af2);
-    // weeks of Galileo are written as those of GPS, those of BeiDou by its own count
+    // Galileo weeks are written as GPS weeks, BeiDou weeks by its own count
     const auto [gps_week, toe] = gnss::week_second(k.toe, system);
     const double week = gps_week - (system == System::BeiDou ? gnss::first_week_of(system) : 0);
-    // seconds of the week of toe: negative where it was sent before
+    // in seconds of the week of toe: negative if transmitted before
     const double sent = toe + (k.transmission - k.toe).seconds();
     const bool galileo = system == System::Galileo, gps = system == System::Gps || system == System::Qzss;
     constexpr double inav_e1 = 513.0, fnav = 258.0;
@@ -244,7 +244,7 @@ std::string rinex_navigation_text(const gnss::Navigation& n) {
     std::vector<std::tuple<Time, gnss::SatelliteId, std::string>> records;
     for (const auto& k : n.kepler) records.emplace_back(k.toc, k.satellite, record(k));
     for (const auto& g : n.glonass) {
-        // of the week of UTC
+        // in the week of UTC
         const Duration leap{std::int64_t{gps_minus_utc(g.transmission.ns / detail::ns_per_second)} * detail::ns_per_second};
         const double sent = gnss::week_second(g.transmission - leap).second;
         records.emplace_back(

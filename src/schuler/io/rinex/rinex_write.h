@@ -9,7 +9,7 @@
 
 namespace schuler::io {
 
-/// Observation file [RINEX304:A2, A3]: mixed systems, GPS time, code, phase, Doppler and C/N0 of each signal there is.
+/// Observation file [RINEX304:A2, A3]: mixed systems, GPS time, code, phase, Doppler and C/N0 of each available signal.
 [[nodiscard]] std::string rinex_observations_text(const gnss::ObservationLog& log);
 
 /// Navigation file [RINEX304:A5 to A16]: mixed systems, in order of time.

@@ -20,7 +20,7 @@ struct Sp3Time {
     Duration lag;
 };
 
-/// Time system of the first %c line; blanks of SP3-a mean GPS.
+/// Time system of the first %c line; blanks in SP3-a mean GPS.
 Sp3Time time_system(std::string_view name) {
     if (name == "UTC" || name == "GLO") return {TimeScale::Utc, {}};
     if (name == "BDT") return {TimeScale::Gps, gnss::lag_of(gnss::System::BeiDou)};
@@ -42,7 +42,7 @@ bool position(std::string_view line, Time t, Sp3File& file) {
                              real_in(columns_of(line, 32, 14)));
     const double clock = real_in(columns_of(line, 46, 14));
     if (!satellite || !km.allFinite() || km.norm() > 1e5) return false;
-    if (km.norm() < 1e3) return true;  // zeros: not known
+    if (km.norm() < 1e3) return true;  // zeros: unknown
     auto& nodes = file.nodes[gnss::index_of(*satellite)];
     if (!nodes.empty() && nodes.back().time >= t) {
         ++file.records.repeated;

@@ -15,8 +15,8 @@ struct Sp3File {
     RecordCounts records;  ///< position lines
 };
 
-/// Reads position records; absent positions (zeros) and absent clocks (999999.999999) are left out or NaN. gz too.
-/// @throws Error(Input): no SP3 file, no usable position.
+/// Reads position records; absent positions (zeros) are omitted, absent clocks (999999.999999) are NaN. Also gz-compressed.
+/// @throws Error(Input): not an SP3 file, no usable position.
 [[nodiscard]] Sp3File read_sp3(const TextInput& input, WarningLog& log);
 
 }  // namespace schuler::io

@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::int64_t one_second = 1'000'000'000, year_1973 = 100'000'000 * one_second;
 
-/// The value of an attribute or the text of an element inside a piece of XML; empty where there is none.
+/// The value of an attribute or the text of an element inside a piece of XML; empty if there is none.
 std::string_view attribute(std::string_view tag, std::string_view name) {
     for (std::size_t at = tag.find(name); at != std::string_view::npos; at = tag.find(name, at + 1)) {
         const std::size_t equals = at + name.size();
@@ -42,7 +42,7 @@ std::string_view element(std::string_view xml, const std::string& name) {
     return end == std::string_view::npos ? std::string_view{} : xml.substr(begin, end - begin);
 }
 
-/// "2024-05-01T12:00:00.250Z", an offset of hours too.
+/// "2024-05-01T12:00:00.250Z", or with an offset in hours.
 std::optional<Time> time_of(std::string_view text) {
     const std::string s(text);
     int year = 0, month = 0, day = 0, hour = 0, minute = 0, whole = 0, used = 0;
@@ -68,7 +68,7 @@ std::optional<Time> time_of(std::string_view text) {
     return t;
 }
 
-/// Seconds of UTC with as many decimals as there are.
+/// Seconds of UTC with as many decimals as required.
 std::string utc_text(Time t) {
     const std::int64_t fraction = ((t.ns % one_second) + one_second) % one_second;
     const Calendar c = utc_from_gps(Time{t.ns - fraction});

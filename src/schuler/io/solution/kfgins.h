@@ -33,7 +33,7 @@ struct KfGinsProject {
     Eigen::Vector3d std_position = Eigen::Vector3d::Zero();    ///< north, east, down, m
     Eigen::Vector3d std_velocity = Eigen::Vector3d::Zero();    ///< m/s
     Eigen::Vector3d std_rpy = Eigen::Vector3d::Zero();         ///< rad
-    Eigen::Vector3d std_gyro_bias = Eigen::Vector3d::Zero();   ///< rad/s; where missing, the noise model's
+    Eigen::Vector3d std_gyro_bias = Eigen::Vector3d::Zero();   ///< rad/s; if missing, that of the noise model
     Eigen::Vector3d std_accel_bias = Eigen::Vector3d::Zero();  ///< m/s^2
     Eigen::Vector3d std_gyro_scale = Eigen::Vector3d::Zero();
     Eigen::Vector3d std_accel_scale = Eigen::Vector3d::Zero();
@@ -45,16 +45,16 @@ struct KfGinsProject {
         Eigen::Vector3d accel_bias = Eigen::Vector3d::Zero();            ///< m/s^2
         Eigen::Vector3d gyro_scale = Eigen::Vector3d::Zero();            ///< 1
         Eigen::Vector3d accel_scale = Eigen::Vector3d::Zero();           ///< 1
-        double correlation_time = 3600.0;                                ///< s, of all of them
+        double correlation_time = 3600.0;                                ///< s, common to all of them
     } noise;
     Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();  ///< IMU to antenna, forward-right-down, m
 };
 
-/// Reads a project. Throws Error(Input) with file, line and key: no YAML, an unknown key (the nearest known one is offered), a
-/// wrong type, a number of elements or a range that cannot be. `folder`: where relative paths start; empty: the YAML file's.
+/// Reads a project. Throws Error(Input) with file, line and key: not YAML, an unknown key (the nearest known one is suggested), a
+/// wrong type, an invalid number of elements or range. `folder`: base of relative paths; empty: that of the YAML file.
 [[nodiscard]] KfGinsProject read_kfgins_project(const TextInput& input, std::filesystem::path folder = {});
 
-/// Whether a YAML file is such a project (it has the keys imupath and gnsspath). Never throws on unusable content.
+/// True if a YAML file is such a project (it has the keys imupath and gnsspath). Never throws on unusable content.
 [[nodiscard]] bool is_kfgins_project(const TextInput& input);
 
 struct KfGinsImu {

@@ -13,7 +13,7 @@ namespace {
 
 using detail::RowAudit;
 
-/// Requests for columns known by their place.
+/// Requests for columns known by position.
 std::vector<FieldRequest> by_place(std::initializer_list<const char*> names, std::size_t required) {
     std::vector<FieldRequest> requests;
     for (const char* name : names) {

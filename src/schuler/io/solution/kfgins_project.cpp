@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 
 constexpr double mgal_bias = units::mgal;
 
-/// One mapping of the YAML file with the keys asked for so far, so that what is left over is unknown.
+/// One mapping of the YAML file with the keys requested so far, so that the remaining ones are unknown.
 class Mapping {
 public:
     Mapping(YAML::Node node, std::string file, std::string prefix)
@@ -35,7 +35,7 @@ public:
         return node_[key];
     }
 
-    /// The first of several names of a key that is there.
+    /// The first of several key names that exists.
     [[nodiscard]] std::string present(std::initializer_list<const char*> names) {
         std::string found = *names.begin();
         for (const char* name : names) {
@@ -166,7 +166,7 @@ void read_initial(Mapping& root, KfGinsProject& p) {
     p.std_accel_scale = root.sigmas(root.present({"initsastd", "initaccscalestd"}), p.noise.accel_scale, units::ppm);
 }
 
-/// OB_GINS: the same files under other names, without a position and without initial sigmas. The position is that of the first fix from the start on.
+/// OB_GINS: the same files under other names, without a position and initial sigmas. The position is that of the first fix from the start on.
 void read_ob_gins(Mapping& root, const std::string& file, KfGinsProject& p) {
     p.velocity_n = root.vector("initvel", Vector3d::Zero());
     p.rpy = root.vector("initatt", Vector3d::Zero(), units::deg);
@@ -183,7 +183,7 @@ void read_ob_gins(Mapping& root, const std::string& file, KfGinsProject& p) {
     p.noise.accel_bias = noise.sigmas("abstd", {}, mgal_bias);
     p.noise.correlation_time = noise.number("corrtime", {}, units::hour);
     noise.refuse_unknown();
-    // of the optimisation, of the odometer and of simulated outages: nothing of a filter
+    // of the optimisation, the odometer and simulated outages: not relevant for a filter
     for (const char* key :
          {"windows", "num_iterations", "is_outlier_culling", "isearth", "odolever", "bodyangle", "odometer", "isuseoutage",
           "outagetime", "outagelen", "outageperiod", "gnssthreshold", "integrationlength", "isusegnssoutage"})
@@ -191,7 +191,7 @@ void read_ob_gins(Mapping& root, const std::string& file, KfGinsProject& p) {
     p.std_gyro_bias = p.noise.gyro_bias;
     p.std_accel_bias = p.noise.accel_bias;
     p.std_velocity = Vector3d::Constant(0.5);           // m/s: its initial velocity is rounded
-    p.std_rpy = Vector3d(2.0, 2.0, 10.0) * units::deg;  // its initial attitude is read off the log
+    p.std_rpy = Vector3d(2.0, 2.0, 10.0) * units::deg;  // its initial attitude is estimated from the log
     WarningLog nothing;
     for (const GnssFix& fix : read_kfgins_gnss(TextInput(p.gnss_path), nothing).fixes) {
         p.position = fix.position;

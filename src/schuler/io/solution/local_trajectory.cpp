@@ -1,5 +1,5 @@
-// Trajectories in a frame of their own: TUM (time, position, quaternion x y z w) and EuRoC's ground truth. What is written here says in a
-// comment where on the Earth its east-north-up frame begins; files that say it are read back as positions on the Earth.
+// Trajectories in a local frame: TUM (time, position, quaternion x y z w) and EuRoC ground truth. Files written here state the
+// origin of their east-north-up frame in a comment; files with this comment are read back as positions on the Earth.
 #include "schuler/core/error.h"
 #include "schuler/core/units.h"
 #include "schuler/earth/ellipsoid.h"
@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::string_view origin_words = "# east-north-up about latitude ";
 
-/// Up to `most` numbers of a line, separated by commas or blanks; fewer where something else stands there.
+/// Up to `most` numbers of a line, separated by commas or blanks; fewer if there is other text.
 std::size_t numbers(std::string_view line, std::span<double> out) {
     std::size_t n = 0;
     while (n < out.size()) {
@@ -49,7 +49,7 @@ bool is_tum(const FileHead& head) {
     for (Lines lines(head.bytes); lines.next() && rows < 30;) {
         const std::string_view line = lines.line();
         if (line.empty() || line.front() == '#') continue;
-        if (lines.peek() == '\0' && rows > 0) break;  // may be cut by the end of the head
+        if (lines.peek() == '\0' && rows > 0) break;  // may be truncated at the end of the head
         std::array<double, 9> v{};
         if (numbers(line, v) != 8 || !is_unit(v[7], v[4], v[5], v[6]) || v[0] <= before) return false;
         before = v[0];
@@ -113,7 +113,7 @@ StreamLog read_local(const TextInput& input, WarningLog& warnings, bool euroc) {
     log.clock = epochs ? Clock::Unix : Clock::Boot;
     s.own_frame = !origin;
     if (origin) {
-        // written by Schuler: degrees in place of the coordinates
+        // written by Schuler: degrees instead of the coordinates
         s.name = "reference";
         s.columns[0].name = "lat_deg";
         s.columns[1].name = "lon_deg";
@@ -135,13 +135,13 @@ StreamLog read_local(const TextInput& input, WarningLog& warnings, bool euroc) {
 StreamLog read_tum(const TextInput& input, WarningLog& warnings) { return read_local(input, warnings, false); }
 StreamLog read_euroc_truth(const TextInput& input, WarningLog& warnings) { return read_local(input, warnings, true); }
 
-/// Rows in the east-north-up frame of the first one, with the comment that says where it is.
+/// Rows in the east-north-up frame of the first one, with the comment that states its position.
 template <class Put>
 std::string local_rows(std::span<const SolutionRow> rows, Put put) {
     const Geodetic origin = rows.front().position;
     const Ecef start = earth::ecef_from_geodetic(earth::wgs84, origin);
     const Eigen::Matrix3d C_ne = earth::C_en(origin.lat, origin.lon).transpose();
-    Eigen::Matrix3d ned_to_enu;  // north-east-down to east-north-up, and back
+    Eigen::Matrix3d ned_to_enu;  // north-east-down to east-north-up, and vice versa
     ned_to_enu << 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0;
     std::string out = fmt::format("{}{:.17g} deg, longitude {:.17g} deg, height {:.17g} m\n", origin_words,
                                   origin.lat / units::deg, origin.lon / units::deg, origin.h);

@@ -1,4 +1,4 @@
-// Solutions written as receivers and RTKLIB write theirs: .pos and NMEA 0183.
+// Solutions in the output formats of receivers and RTKLIB: .pos and NMEA 0183.
 #include "schuler/io/solution/receiver_text.h"
 
 #include "schuler/core/error.h"
@@ -64,7 +64,7 @@ void write_nmea(const std::filesystem::path& path, std::span<const SolutionRow> 
     for (const SolutionRow& r : rows) {
         if (!std::isfinite(r.position.lat) || !std::isfinite(r.position.lon)) continue;
         const bool has_date = r.time.ns > dated;
-        // milliseconds, as receivers write them
+        // milliseconds, as written by receivers
         const std::int64_t ms = (r.time.ns + (r.time.ns < 0 ? -500'000 : 500'000)) / 1'000'000;
         const Time rounded{ms * 1'000'000};
         const std::int64_t of_second = ((ms % 1000) + 1000) % 1000;

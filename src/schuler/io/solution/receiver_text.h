@@ -1,4 +1,4 @@
-// Solutions written as receivers and RTKLIB write theirs.
+// Solutions in the output formats of receivers and RTKLIB.
 #pragma once
 
 #include "schuler/core/nav_state.h"

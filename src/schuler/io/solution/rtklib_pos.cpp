@@ -21,7 +21,7 @@
 namespace schuler::io {
 namespace {
 
-/// A whole number, written as one or as programs that know only doubles write it: 1.0000000.
+/// An integer, or its notation by programs that only use doubles: 1.0000000.
 std::optional<int> whole_number(std::string_view text) {
     const double x = number_from(text);
     return x >= 0.0 && x < 1e6 && x == std::floor(x) ? std::optional(static_cast<int>(x)) : std::nullopt;
@@ -32,7 +32,7 @@ using Eigen::Vector3d;
 
 enum class Coordinates { Degrees, DegreesMinutesSeconds, EarthFixed, Baseline };
 
-/// Where the fields of a row are; -1: absent.
+/// Positions of the fields in a row; -1: absent.
 struct PosLayout {
     Coordinates coordinates = Coordinates::Degrees;
     std::string time_system = "GPST";
@@ -42,10 +42,10 @@ struct PosLayout {
     int std_position = -1;  ///< three sigmas and three signed roots of covariances
     int velocity = -1;
     int std_velocity = -1;
-    int fields = 0;  ///< that a row must have
+    int fields = 0;  ///< required in a row
 };
 
-/// Field positions for the order in which RTKLIB writes, with `count` fields in a row.
+/// Field positions for RTKLIB's own order, with `count` fields per row.
 PosLayout standard_layout(Coordinates coordinates, int count) {
     PosLayout l;
     l.coordinates = coordinates;
@@ -101,7 +101,7 @@ PosLayout guessed_layout(const std::vector<std::string>& fields, char separator)
     return l;
 }
 
-/// Fields of a row; the calendar date and the time of day are two of them whatever the separator.
+/// Fields of a row; the calendar date and the time of day are two of them for any separator.
 std::vector<std::string> row_fields(std::string_view line, char separator) {
     std::vector<std::string> fields = split_fields(line, separator);
     if (separator == ' ' || fields.empty()) return fields;
@@ -166,7 +166,7 @@ class PosRow {
 public:
     PosRow(const std::vector<std::string>& fields, const PosLayout& layout) : fields_(fields), layout_(layout) {}
 
-    /// Fills a fix; false where the row cannot be read.
+    /// Fills a fix; false if the row cannot be read.
     [[nodiscard]] bool read(GnssFix& fix) const {
         if (static_cast<int>(fields_.size()) < layout_.fields) return false;
         const auto time = time_of(fields_[0], fields_[1], layout_.time_system);

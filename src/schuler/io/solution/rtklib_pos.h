@@ -16,19 +16,19 @@ namespace schuler::io {
 struct RtklibPos {
     std::vector<GnssFix> fixes;
     HeightKind height =
-        HeightKind::Unstated;          ///< as the header says: ellipsoidal, or geodetic (then Msl); ellipsoidal for Earth-fixed
+        HeightKind::Unstated;  ///< according to the header: ellipsoidal, or geodetic (then Msl); ellipsoidal for Earth-fixed
     std::string time_system = "GPST";  ///< of the file: GPST, UTC or JST
     bool header_found = false;         ///< false: the columns were guessed, with a warning
     RowCounts rows;
 };
 
 /// Reads degrees, degrees-minutes-seconds or Earth-fixed coordinates; calendar or week and seconds; GPST, UTC, JST; any field
-/// separator; standard deviations and velocities where they are. Earth-fixed covariances become sigmas north, east, down.
-/// Rows that cannot be read are skipped and counted (the first line is told in the log). Throws Error(Input): a file of
-/// baselines (east, north, up), no usable row, more than half of the rows unusable.
+/// separator; standard deviations and velocities if present. Earth-fixed covariances are converted to sigmas north, east, down.
+/// Unreadable rows are skipped and counted (the first line is reported in the log). Throws Error(Input): a file of baselines
+/// (east, north, up), no usable row, more than half of the rows unusable.
 [[nodiscard]] RtklibPos read_rtklib_pos(const TextInput& input, WarningLog& log);
 
-/// Whether the first lines look like such a file. Never throws on content.
+/// True if the first lines have this format. Never throws on content.
 [[nodiscard]] bool is_rtklib_pos(const TextInput& input);
 
 }  // namespace schuler::io

@@ -49,8 +49,8 @@ bool is_sbet(const FileHead& head) {
     return true;
 }
 
-/// Velocities stand in the wander frame: x north, y west, z up where the wander angle is zero, as Applanix writes them; other programs write y east, or
-/// z down. The positions of the file show which: the way between records half a second apart has the direction of the velocity.
+/// Velocities are in the wander frame: x north, y west, z up for zero wander angle, as written by Applanix; other programs write y east, or
+/// z down. The positions of the file show which: the displacement between records half a second apart has the direction of the velocity.
 struct Signs {
     double east = -1.0, down = -1.0;  ///< of the velocities' y and z
     bool east_shown = false, down_shown = false;
@@ -79,7 +79,7 @@ Signs signs_of(std::string_view bytes) {
             std::remainder(b[2] - a[2], 2.0 * std::numbers::pi) * (radii.prime_vertical + a[3]) * std::cos(a[1]) / dt;
         const double fallen = (a[3] - b[3]) / dt;
         const double c = std::cos(a[10]), w = std::sin(a[10]);
-        const double slope = -w * a[4];  // what the wander angle turns of the velocity's x into the east
+        const double slope = -w * a[4];  // contribution of the velocity's x to the east due to the wander angle
         east.add(to_east - slope, c * 0.5 * (a[5] + b[5]));
         down.add(fallen, 0.5 * (a[6] + b[6]));
     }
@@ -101,7 +101,7 @@ StreamLog read_sbet(const TextInput& input, WarningLog& warnings) {
             if (damaged++ == 0) first = i * record_size;
             continue;
         }
-        // the wander frame is turned against north by the wander angle: heading is the platform's less it
+        // the wander frame is rotated relative to north by the wander angle: heading is the platform heading minus it
         const double c = std::cos(r[10]), w = std::sin(r[10]), y = signs.east * r[5];
         s.add(Duration::from_seconds(r[0]).ns,
               {r[1] / units::deg, r[2] / units::deg, r[3], c * r[4] + w * y, -w * r[4] + c * y, signs.down * r[6],

@@ -35,7 +35,7 @@ char* put_three(char* out, const Eigen::Vector3d& v, double factor) {
     return out;
 }
 
-/// Heading that rounds to 360 is 0.
+/// A heading that rounds to 360 is written as 0.
 double heading_deg(double heading) {
     const double deg = heading * to_deg;
     return deg >= 359.9999995 && deg <= 360.0000005 ? 0.0 : deg;

@@ -1,4 +1,4 @@
-// Trajectories of survey programs as text: Inertial Explorer and Waypoint exports, by the names of their columns; KITTI's oxts folders.
+// Trajectories of survey programs as text: Inertial Explorer and Waypoint exports, by their column names; KITTI's oxts folders.
 #include "schuler/core/error.h"
 #include "schuler/core/units.h"
 #include "schuler/io/bytes.h"
@@ -30,7 +30,7 @@ std::vector<std::string_view> words_of(std::string_view line) {
     }
 }
 
-/// A column of an export: what its name begins with in the header, what it becomes, and by which factor.
+/// A column of an export: the start of its name in the header, its quantity, and the factor.
 struct Export {
     std::string_view name;
     const char* column;
@@ -57,7 +57,7 @@ const Export* export_of(std::string_view name) {
     return it == exports.end() ? nullptr : &*it;
 }
 
-/// The header line names at least time, latitude and longitude.
+/// The header line has at least time, latitude and longitude.
 std::vector<std::string_view> export_header(std::string_view text) {
     for (Lines lines(text); lines.next() && lines.number() < 200;) {
         std::vector<std::string_view> words = words_of(lines.line());
@@ -81,7 +81,7 @@ StreamLog read_waypoint(const TextInput& input, WarningLog& warnings) {
             s.columns.push_back({e->column, {}});
     const auto is_angle = [](const Export* e) { return e != nullptr && (e->name == "Latitude" || e->name == "Longitude"); };
     const auto in_minutes = 2 * static_cast<std::size_t>(std::ranges::count_if(
-                                    columns, is_angle));  // words more where angles are degrees, minutes, seconds
+                                    columns, is_angle));  // more words if angles are degrees, minutes, seconds
     std::size_t bad = 0;
     long first_bad = 0;
     bool weeks = false, seen = false;
@@ -132,7 +132,7 @@ StreamLog read_waypoint(const TextInput& input, WarningLog& warnings) {
                      fmt::format("{}: damaged rows, the first in line {}: skipped", input.name(), first_bad), bad);
     StreamLog log;
     log.clock = weeks ? Clock::Gps : Clock::SecondsOfWeek;
-    if (s.find("roll_deg") == nullptr) {  // a solution of satellites alone
+    if (s.find("roll_deg") == nullptr) {  // a satellite-only solution
         s.name = "gnss";
         s.kind = TableKind::Gnss;
     }
@@ -174,7 +174,7 @@ StreamLog read_kitti(const TextInput& input, WarningLog& warnings) {
             if (!line.empty() && bad++ == 0) first_bad = file.string();
             continue;
         }
-        // no time zone is stated: taken as UTC, which shifts nothing against itself
+        // no time zone is stated: taken as UTC, which causes no relative shift
         const double whole = std::floor(second);
         const std::int64_t t = gps_from_utc({year, month, day, hour, minute, whole}).ns + std::llround((second - whole) * 1e9);
         imu.add(t, {v[17], -v[18], -v[19], v[11], -v[12], -v[13]});  // forward-left-up to forward-right-down

@@ -170,7 +170,7 @@ std::string with_axis(std::string pattern, char axis) {
     return pattern;
 }
 
-/// The three components of a vector; '@' stands for the axis, '#' for its number from 0.
+/// The three components of a vector; '@' represents the axis, '#' its number from 0.
 std::vector<Quantity> three_axes(const std::string& canonical, Dimension dimension, const std::string& stems) {
     std::vector<Quantity> result;
     for (const char axis : {'x', 'y', 'z'}) result.push_back({with_axis(canonical, axis), dimension, with_axis(stems, axis)});

@@ -9,7 +9,7 @@
 namespace schuler::io {
 namespace {
 
-/// Signs outside ASCII that occur in units.
+/// Characters outside ASCII that occur in units.
 std::string plain(std::string_view name) {
     static constexpr std::array<std::pair<std::string_view, std::string_view>, 6> signs = {{{"\xc2\xb0", " deg "},
                                                                                             {"\xc2\xb2", "2"},

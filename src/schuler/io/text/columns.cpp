@@ -40,14 +40,14 @@ StemFound find_stem(const Quantity& quantity, const std::string& stem) {
     return StemFound::No;
 }
 
-/// Factor from the named unit to the unit in the canonical name; dtheta has radians where other angles have degrees.
+/// Factor from the named unit to the unit in the canonical name; dtheta is in radians where other angles are in degrees.
 std::optional<UnitFactor> factor_of(const Quantity& quantity, const std::string& unit) {
     std::optional<UnitFactor> factor = detail::unit_factor(quantity.dimension, unit);
     if (factor && quantity.canonical.ends_with("_rad")) factor->factor = unit == "rad" ? 1.0 : factor->factor * units::deg;
     return factor;
 }
 
-/// Codes behind "fix" belong to the name (fix_rtk1fix_2float_5single, fix_3is3d).
+/// Codes after "fix" belong to the name (fix_rtk1fix_2float_5single, fix_3is3d).
 bool is_fix_with_codes(const Quantity& quantity, const Words& words) {
     return quantity.canonical == "fix" && words.size() > 1 && words[0] == "fix" && words[1] != "time" && words[1] != "age";
 }
@@ -64,8 +64,8 @@ HeightKind height_kind(const Quantity& quantity, const Words& words) {
 
 struct Candidate {
     ColumnMatch match;
-    std::size_t stripped = 0;  ///< origin words taken off
-    bool empty = false;        ///< no value in the first rows: a last resort
+    std::size_t stripped = 0;  ///< origin words removed
+    bool empty = false;        ///< no value in the first rows: used as a last resort
 
     [[nodiscard]] bool better_than(const Candidate& other) const {
         return std::tuple(empty, match.certainty, stripped) < std::tuple(other.empty, other.match.certainty, other.stripped);
@@ -85,7 +85,7 @@ void apply_unit(const Quantity& quantity, const std::string& unit, ColumnMatch& 
     }
 }
 
-/// Does a name (its words) mean this quantity, perhaps behind words of origin and before a unit?
+/// Matches a name (its words) with this quantity, possibly after words of origin and before a unit.
 std::optional<Candidate> recognise(const Quantity& quantity, const Words& words) {
     for (std::size_t first = 0; first < words.size(); ++first) {
         if (first > 0 && !detail::is_origin_word(words[first - 1])) break;
@@ -127,15 +127,15 @@ bool column_is_empty(const TableLayout& layout, int column) {
     });
 }
 
-/// A time without a unit: seconds, unless the numbers are too large for them. Then they are ticks since 1970, or since the start of an instrument, of
-/// which the usual step between two rows tells the size; it is longer between fixes than between samples.
+/// A time without a unit: seconds, unless the numbers are too large. They are then ticks since 1970, or since the start of an
+/// instrument, whose size follows from the usual interval between two rows, which is longer between fixes than between samples.
 TimeUnit unit_by_size(const TableLayout& layout, int column, bool fixes) {
     const auto value_of = [&](const std::vector<std::string>& row) {
         return static_cast<std::size_t>(column) < row.size() ? number_from(row[static_cast<std::size_t>(column)]) : not_given;
     };
     if (layout.sample.empty()) return TimeUnit::Seconds;
     const double value = value_of(layout.sample.front());
-    std::vector<double> steps;  // their median: one may be a pause
+    std::vector<double> steps;  // their median, because one may be a pause
     for (std::size_t i = 1; i < layout.sample.size(); ++i)
         if (const double d = value_of(layout.sample[i]) - value_of(layout.sample[i - 1]); d > 0.0) steps.push_back(d);
     const double step = steps.empty() ? not_given : math::median(std::move(steps));
@@ -192,7 +192,7 @@ int column_named(const TableLayout& layout, TableKind kind, const std::string& c
         near.empty() ? fmt::format("the columns are: {}", list_of(layout.names)) : fmt::format("did you mean '{}'?", near));
 }
 
-/// The user's word on one column. Sign and unit come from the column's own name where it states them.
+/// A column given by the user. Sign and unit are taken from the column's own name if stated there.
 ColumnMatch given_match(const TableLayout& layout, TableKind kind, const std::string& canonical, const std::string& wanted) {
     const int column = column_named(layout, kind, canonical, wanted);
     const std::string file_name =
@@ -228,7 +228,7 @@ std::string without_axis(std::string name) {
     return name;
 }
 
-/// Times are read as whole nanoseconds: only powers of ten are units of them.
+/// Times are read as integer nanoseconds: only powers of ten are valid units.
 TimeUnit time_unit_of(double factor, const SourcePlace& place) {
     constexpr std::pair<double, TimeUnit> units[] = {
         {1.0, TimeUnit::Seconds}, {1e-3, TimeUnit::Milliseconds}, {1e-6, TimeUnit::Microseconds}, {1e-9, TimeUnit::Nanoseconds}};
@@ -313,7 +313,7 @@ ColumnPlan match_columns(const TableLayout& layout, TableKind kind, const Column
     return plan;
 }
 
-/// Columns that call themselves the estimate of a filter, or truth: not a receiver's.
+/// Columns named as the estimate of a filter, or truth: not those of a receiver.
 static bool is_estimate(std::string_view name) {
     const std::vector<std::string> words = words_of_name(name);
     static constexpr std::string_view sources[] = {"onboard",   "ahrs",   "ekf",   "est",  "estimate", "estimated",
@@ -321,7 +321,7 @@ static bool is_estimate(std::string_view name) {
     return !words.empty() && std::ranges::find(sources, words.front()) != std::end(sources);
 }
 
-/// Names of what is asked of a vehicle, not of what it does.
+/// Names of commanded rather than actual values.
 static bool says_command(const std::vector<std::string>& words) {
     static constexpr std::string_view commands[] = {"setpoint", "setpoints", "sp",     "command", "commands",
                                                     "cmd",      "desired",   "target", "demand"};
@@ -329,7 +329,7 @@ static bool says_command(const std::vector<std::string>& words) {
                                [&](const std::string& word) { return std::ranges::find(commands, word) != std::end(commands); });
 }
 
-/// Every sample row has a number there, and the four are a unit quaternion.
+/// True if every sample row has numbers there that form a unit quaternion.
 static bool is_rotation(const TableLayout& layout, const std::array<int, 4>& columns) {
     std::size_t rows = 0;
     for (const std::vector<std::string>& row : layout.sample) {
@@ -350,7 +350,7 @@ bool is_own_frame(const TableLayout& layout) {
     const ColumnPlan plan = match_columns(layout, TableKind::Reference);
     const auto has = [&](std::string_view name) { return plan.find(name) != nullptr; };
     if (!has("local_x_m") || !has("local_y_m") || !has("local_z_m") || has("lat_deg") || has("ecef_x_m")) return false;
-    // An attitude that says against which level axes it is (quat_sensor_to_enu_w) is a reference, wherever the positions are counted from.
+    // An attitude that states its level axes (quat_sensor_to_enu_w) is a reference, whatever the origin of the positions.
     const ColumnMatch* attitude = plan.find("qw");
     if (attitude == nullptr) return true;
     const std::vector<std::string> words = words_of_name(attitude->file_name);

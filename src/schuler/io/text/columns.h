@@ -1,4 +1,4 @@
-// What the columns of a log mean: canonical names, synonyms, units stated in names, and the user's own map.
+// Meaning of the columns of a log: canonical names, synonyms, units stated in names, and the user's own map.
 #pragma once
 
 #include "schuler/io/text/number.h"
@@ -15,23 +15,23 @@ namespace schuler::io {
 enum class TableKind { Imu, Gnss, Baro, Mag, Reference, Ranges, Stations };
 [[nodiscard]] std::string_view name_of(TableKind kind);  ///< "imu", "gnss", ...: the section of dataset.toml
 
-/// How a column's meaning was found.
+/// How the meaning of a column was determined.
 enum class Certainty {
     Given,    ///< by the user's map
     Exact,    ///< canonical name
-    Synonym,  ///< another name of the field's usage, with its unit
+    Synonym,  ///< another customary name of the quantity, with its unit
     Guess,    ///< a short or ambiguous name, or no unit in the name
 };
 [[nodiscard]] std::string_view name_of(Certainty certainty);
 
-/// Height of what above what.
+/// Reference of a height.
 enum class HeightKind { Unstated, Ellipsoidal, Msl, Relative, Autopilot };
 [[nodiscard]] std::string_view name_of(HeightKind kind);
 
 /// A column of the file recognised as a canonical quantity: canonical value = number * factor + offset.
 struct ColumnMatch {
     std::string canonical;  ///< for example gyro_x_rad_s
-    std::string file_name;  ///< as the file spells it
+    std::string file_name;  ///< as spelt in the file
     int column = -1;        ///< 0-based
     double factor = 1.0;    ///< to the unit in the canonical name
     double offset = 0.0;
@@ -41,7 +41,7 @@ struct ColumnMatch {
     HeightKind height = HeightKind::Unstated;  ///< of height columns
 };
 
-/// The user's word: canonical name = the file's name (or "#3" for the third column), and factors to the canonical unit.
+/// The user's map: canonical name = the file's name (or "#3" for the third column), and factors to the canonical unit.
 /// A factor's key is a canonical name, or one without its axis (`gyro_rad_s`, `accel_m_s2`, `mag_ut`) for all three.
 struct ColumnOverrides {
     std::map<std::string, std::string> columns;
@@ -51,22 +51,22 @@ struct ColumnOverrides {
 
 struct ColumnPlan {
     TableKind kind = TableKind::Imu;
-    std::vector<ColumnMatch> matches;  ///< at most one for a canonical name
+    std::vector<ColumnMatch> matches;  ///< at most one per canonical name
     std::vector<std::string> unused;   ///< names of columns not recognised
     [[nodiscard]] const ColumnMatch* find(std::string_view canonical) const;
 };
 
-/// Finds the columns of a kind of table. Throws Error(Input): an override names an unknown canonical name or a column that the
-/// file has not (the nearest known name is offered).
+/// Finds the columns of a kind of table. Throws Error(Input): an override names an unknown canonical name or a column not in the
+/// file (the nearest known name is suggested).
 [[nodiscard]] ColumnPlan match_columns(const TableLayout& layout, TableKind kind, const ColumnOverrides& overrides = {});
 
-/// What kind of table the names suggest: the kind whose needed columns are all there. nullopt where none is complete.
+/// The kind of table suggested by the names: the one with all required columns present. nullopt if none is complete.
 [[nodiscard]] std::optional<TableKind> guess_table_kind(const TableLayout& layout);
 
-/// The canonical names of a kind of table, in the order of the documentation, the optional ones included.
+/// The canonical names of a kind of table, in the order of the documentation, including the optional ones.
 [[nodiscard]] std::vector<std::string> canonical_names(TableKind kind);
 
-/// The known name nearest to a misspelt one (edit distance), or empty where none is near.
+/// The known name nearest to a misspelt one (edit distance), or empty if none is near.
 [[nodiscard]] std::string nearest_name(std::string_view name, const std::vector<std::string>& known);
 
 /// A unit from its name: factor and offset to the canonical unit of a dimension.

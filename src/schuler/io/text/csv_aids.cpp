@@ -11,7 +11,7 @@
 namespace schuler::io {
 namespace {
 
-/// Calls row(time, numbers) for every row; the first `required` columns must be there, numbers of the others are NaN.
+/// Calls row(time, numbers) for every row; the first `required` columns must exist, numbers of missing others are NaN.
 template <class Row>
 void read_rows(const TextInput& input, const std::vector<std::string>& columns, std::size_t required, Row row) {
     const TableLayout layout = inspect_table(input);

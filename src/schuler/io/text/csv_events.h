@@ -1,4 +1,4 @@
-// Instants at which the solution is wanted, and the solution there.
+// Instants at which the solution is requested, and the solution there.
 #pragma once
 
 #include "schuler/core/aid_samples.h"
@@ -11,11 +11,11 @@
 
 namespace schuler::io {
 
-/// time_s [, name], in any order; other columns are ignored. As the file has them. @throws Error(Input) with the line: a time that is no
-/// number; with the column: no time_s; without any event.
+/// time_s [, name], in any order; other columns are ignored. Returned in file order. @throws Error(Input) with the line: a time
+/// that is not a number; with the column: no time_s; without any event.
 [[nodiscard]] std::vector<NamedInstant> read_events_csv(const TextInput& input);
 
-/// One row an event with the columns of solution.csv and `name`. @throws as SolutionCsvWriter
+/// One row per event with the columns of solution.csv and `name`. @throws as SolutionCsvWriter
 void write_events_csv(const std::filesystem::path& file, std::span<const NamedInstant> events, std::span<const SolutionRow> rows);
 
 }  // namespace schuler::io

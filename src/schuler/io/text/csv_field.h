@@ -1,4 +1,4 @@
-// Text as a field of CSV.
+// Conversion of text to a CSV field.
 #pragma once
 
 #include <string>
@@ -6,7 +6,7 @@
 
 namespace schuler::io {
 
-/// In quotation marks where it would otherwise not be one field.
+/// In quotation marks if it would otherwise not be a single field.
 [[nodiscard]] inline std::string csv_field(std::string_view text) {
     if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
     std::string out = "\"";

@@ -84,7 +84,7 @@ Eigen::Vector3d PositionColumns::velocity_n(const TableReader& row) const {
 
 namespace {
 
-/// What a GNSS row may have beside position and velocity.
+/// Optional data of a GNSS row beside position and velocity.
 struct GnssFields {
     std::size_t time_valid, velocity_time_valid, fix, carrier, satellites;
     std::size_t std_n, std_e, std_d, std_h, std_vn, std_ve, std_vd, std_vel;
@@ -110,11 +110,11 @@ GnssFields request_fields(SampleColumns& columns) {
 
 double first_given(double a, double b) { return std::isnan(a) ? b : a; }
 
-/// One sigma; a negative one means not known.
+/// One sigma; a negative one means unknown.
 double sigma(double value) { return value < 0.0 ? not_given : value; }
 
 void read_sigmas(const TableReader& row, const GnssFields& f, GnssFix& fix) {
-    // A horizontal sigma is of both components together.
+    // A horizontal sigma combines both components.
     const double horizontal = optional_number(row, f.std_h) * std::numbers::sqrt2 / 2.0;
     const double velocity = optional_number(row, f.std_vel);
     fix.std_position = {sigma(first_given(optional_number(row, f.std_n), horizontal)),
@@ -124,13 +124,13 @@ void read_sigmas(const TableReader& row, const GnssFields& f, GnssFix& fix) {
                         sigma(first_given(optional_number(row, f.std_vd), velocity))};
 }
 
-/// How much older than its stamp a channel is, from columns that give the time of validity.
+/// Age of a channel relative to its stamp, from columns with the time of validity.
 void read_ages(const TableReader& row, const GnssFields& f, GnssFix& fix) {
     const auto age = [&](std::size_t field) {
         const std::int64_t valid = field == SampleColumns::absent ? TableReader::no_time : row.time_ns(field);
         if (valid == TableReader::no_time) return not_given;
         const double seconds = Duration{fix.time.ns - valid}.seconds();
-        constexpr double week = 604'800.0;  // around its end one may have begun anew and the other not
+        constexpr double week = 604'800.0;  // around its end one may have restarted and the other not
         return std::abs(seconds) > 0.5 * week && std::abs(seconds) < 1.5 * week ? seconds - std::copysign(week, seconds)
                                                                                 : seconds;
     };
@@ -139,11 +139,11 @@ void read_ages(const TableReader& row, const GnssFields& f, GnssFix& fix) {
     fix.velocity_age = first_given(age(f.velocity_time_valid), fix.position_age);
 }
 
-/// Codes of fixes that no table has.
+/// Codes of fixes not in any table.
 class UnknownCodes {
 public:
     void add(const std::string& code) { ++counts_[code]; }
-    /// Throws where more than a few rows have one: what they mean is asked for, not guessed.
+    /// Throws if more than a few rows have one: the user must state their meaning, it is not guessed.
     void ask(const std::string& file, const std::string& table, std::size_t rows) const {
         std::size_t n = 0;
         for (const auto& [code, count] : counts_) n += count;
@@ -176,7 +176,7 @@ private:
 
 bool no_position(const Geodetic& p) {
     if (std::isnan(p.lat) && std::isnan(p.lon)) return true;
-    return p.lat == 0.0 && p.lon == 0.0;  // what receivers write before their first fix
+    return p.lat == 0.0 && p.lon == 0.0;  // written by receivers before their first fix
 }
 
 }  // namespace
@@ -228,7 +228,7 @@ GnssTable read_gnss_csv(const TextInput& input, const CsvOptions& options, Warni
     try {
         table.fixes = detail::read_samples<GnssFix>(reader, audit, columns.layout().estimated_rows, options.time_offset, make);
     } catch (const Error&) {
-        unknown.ask(input.name(), codes.table(), audit.counts().read);  // the better reason, where it is the one
+        unknown.ask(input.name(), codes.table(), audit.counts().read);  // the more informative reason, if applicable
         throw;
     }
     unknown.ask(input.name(), codes.table(), audit.counts().read);

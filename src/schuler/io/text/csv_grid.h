@@ -9,9 +9,9 @@
 
 namespace schuler::io {
 
-/// columns: one to three, by their names in the header; factor takes their numbers to SI. Values that are not asked for are zero.
-/// @throws Error(Input) with the line: no number, no place on the Earth, a point that stands twice; with the point: one that is
-/// missing; with the column: one that is missing.
+/// columns: one to three, by their names in the header; factor converts their numbers to SI. Values not requested are zero.
+/// @throws Error(Input) with the line: not a number, not a position on the Earth, a duplicate point; with the point: a missing
+/// one; with the column: a missing one.
 [[nodiscard]] GeodeticGrid read_grid_csv(const TextInput& input, const std::vector<std::string>& columns, double factor);
 
 }  // namespace schuler::io

@@ -19,7 +19,7 @@ using detail::optional_number;
 using detail::RowAudit;
 using detail::SampleColumns;
 
-/// "G05" and the like; anything else is a station.
+/// "G05" and similar; anything else is a station.
 bool is_satellite(std::string_view name) {
     return name.size() == 3 && std::string_view("GRECJSI").find(name[0]) != std::string_view::npos &&
            std::isdigit(static_cast<unsigned char>(name[1])) != 0 && std::isdigit(static_cast<unsigned char>(name[2])) != 0;
@@ -56,7 +56,7 @@ Fields request(SampleColumns& c) {
 
 double or_zero(double x) { return std::isfinite(x) ? x : 0.0; }
 
-/// Epochs from samples in order of time.
+/// Epochs from samples in time order.
 void group(const std::vector<TimedRange>& rows, RangingLog& log, const RowAudit& audit) {
     std::size_t repeated = 0;
     for (const TimedRange& r : rows) {

@@ -1,4 +1,4 @@
-// ranges.csv and stations.csv of the interface contract: pseudoranges to satellites and ground stations, places of the stations.
+// ranges.csv and stations.csv of the interface contract: pseudoranges to satellites and ground stations, station positions.
 #pragma once
 
 #include "schuler/core/ranging.h"
@@ -9,7 +9,7 @@
 
 namespace schuler::io {
 
-/// A station and its surveyed place (ellipsoidal height).
+/// A station and its surveyed position (ellipsoidal height).
 struct StationRow {
     std::string id;
     Geodetic position;
@@ -21,11 +21,11 @@ struct RangesTable {
     RowCounts rows;
 };
 
-/// Reads ranges.csv. Rows out of order are sorted in; a source that stands twice at one time counts once, the first row; rows whose
-/// pseudorange is no distance (0 to 1e9 m) are skipped; all this is told in the log. @throws Error(Input) as the other readers.
+/// Reads ranges.csv. Rows out of order are sorted; of duplicates of a source at one time the first is used; rows with an invalid
+/// pseudorange (outside 0 to 1e9 m) are skipped; all is reported in the log. @throws Error(Input) as the other readers.
 [[nodiscard]] RangesTable read_ranges_csv(const TextInput& input, const CsvOptions& options, WarningLog& log);
 
-/// Reads stations.csv. @throws Error(Input): a column is missing, an id stands twice, a place is none on the Earth.
+/// Reads stations.csv. @throws Error(Input): a missing column, a duplicate id, a position not on the Earth.
 [[nodiscard]] std::vector<StationRow> read_stations_csv(const TextInput& input, const CsvOptions& options, WarningLog& log);
 
 /// ranges.csv, lengths to 1e-6 m.

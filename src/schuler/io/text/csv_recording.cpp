@@ -14,7 +14,7 @@ namespace {
 using detail::RowAudit;
 using detail::SampleColumns;
 
-// No vehicle spins faster or is shot harder; what exceeds this is another unit or another column.
+// Beyond the rotation or acceleration of any vehicle; larger values are another unit or another column.
 constexpr double absurd_rate = 1e4;                         // rad/s
 constexpr double absurd_acceleration = 1000.0 * units::g0;  // m/s^2
 constexpr double absurd_angle_increment = 100.0;            // rad in one sample
@@ -45,7 +45,7 @@ void refuse_absurd(const TableReader& reader, const Axes& fields, const Eigen::V
     }
 }
 
-/// Rates or increments, whichever columns are complete (rates where both are).
+/// Rates or increments, whichever columns are complete (rates if both are).
 ImuKind kind_of(const SampleColumns& columns) {
     const auto count = [&](std::string_view a, std::string_view b) {
         int n = 0;

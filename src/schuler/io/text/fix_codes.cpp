@@ -62,7 +62,7 @@ std::map<int, FixType> codes_in_name(const std::vector<std::string>& name_words)
         if (std::isdigit(static_cast<unsigned char>(word[digit + 1])) != 0) continue;
         if (const auto fix = fix_from_word(std::string_view(word).substr(digit + 1))) codes[word[digit] - '0'] = *fix;
     }
-    // "3 is 3d" is the scale of u-blox and PX4, whose lower codes are no fix and a two-dimensional one.
+    // "3 is 3d" is the scale of u-blox and PX4, in which lower codes are no fix and a two-dimensional one.
     if (codes.size() == 1 && codes.contains(3))
         codes.insert({{0, FixType::None},
                       {1, FixType::None},
@@ -96,7 +96,7 @@ const std::map<int, FixType> mavlink_codes = {{0, FixType::None},       {1, FixT
                                               {3, FixType::Autonomous}, {4, FixType::Differential}, {5, FixType::RtkFloat},
                                               {6, FixType::RtkFixed},   {8, FixType::Differential}};
 // clang-format on
-// dead reckoning alone (1) and time alone (5) are no fixes; the carrier solution stands in a column of its own
+// dead reckoning only (1) and time only (5) are not fixes; the carrier solution is in a separate column
 // clang-format off
 const std::map<int, FixType> ublox_codes = {{0, FixType::None},       {1, FixType::None},       {2, FixType::Autonomous},
                                             {3, FixType::Autonomous}, {4, FixType::Autonomous}, {5, FixType::None}};
@@ -160,7 +160,7 @@ CodeCounts count_fix_codes(const TextInput& input, const TableLayout& layout, co
 
 namespace {
 
-constexpr std::size_t at_least = 2;  // rows, for a code to be evidence
+constexpr std::size_t at_least = 2;  // rows, required for a code to be evidence
 
 bool occurs(const CodeCounts& counts, int low, int high) {
     std::size_t n = 0;
@@ -168,8 +168,8 @@ bool occurs(const CodeCounts& counts, int low, int high) {
     return n >= at_least;
 }
 
-/// GPS.Status of ArduPilot counts dimensions from 1 = no fix; NavSatStatus of ROS has -1 = no fix, 0 = fix.
-/// @returns whether it is that of ROS. @throws Error(Input) where the codes that occur mean another thing in each
+/// GPS.Status of ArduPilot counts dimensions starting at 1 = no fix; NavSatStatus of ROS has -1 = no fix, 0 = fix.
+/// Returns whether it is that of ROS. @throws Error(Input) if the codes present have different meanings in the two
 bool is_ros_status(std::string_view column, const CodeCounts& counts, const std::string& file) {
     if (occurs(counts, 3, 8)) return false;
     if (occurs(counts, -1, -1)) return true;

@@ -1,4 +1,4 @@
-// Codes of fix quality as receivers and programs write them.
+// Codes of fix quality used by receivers and programs.
 #pragma once
 
 #include "schuler/core/samples.h"
@@ -12,28 +12,28 @@
 
 namespace schuler::io {
 
-/// The numbers that a fix column holds, with how many rows have each: what decides where the column's name does not.
+/// The numbers in a fix column, with the number of rows for each: decides if the column's name is ambiguous.
 using CodeCounts = std::map<int, std::size_t>;
 
-/// Counts them, and whether the file has a column of the carrier solution beside it (u-blox).
+/// Counts them, and whether the file also has a column of the carrier solution (u-blox).
 [[nodiscard]] CodeCounts count_fix_codes(const TextInput& input, const TableLayout& layout, const ColumnPlan& plan);
 
 /// Meaning of the values of a fix column.
 class FixCodes {
 public:
-    /// The table of the column's source: codes in its name (`fix_rtk1fix_2float_5single`, `fix_3is3d`), RTKLIB's for `Q`, VectorNav's
-    /// for `fix_vn`, MAVLink's and PX4's for `fix_type`, u-blox's for `fix_type` beside a carrier solution, ArduPilot's or that of ROS
-    /// for `status` by the codes that occur, gpsd's for `mode`, else NMEA's quality; a column under another name that holds 3 counts
-    /// dimensions, for NMEA's 3 does not occur. `user` (code or word = fix name) comes first.
-    /// Throws Error(Input) where a user's value is no fix name, or two sources fit that contradict each other.
+    /// The code table of the column: codes in its name (`fix_rtk1fix_2float_5single`, `fix_3is3d`), RTKLIB's for `Q`, VectorNav's
+    /// for `fix_vn`, MAVLink's and PX4's for `fix_type`, u-blox's for `fix_type` beside a carrier solution, ArduPilot's or that
+    /// of ROS for `status` by the codes present, gpsd's for `mode`, else NMEA's quality; a column of another name that contains 3
+    /// counts dimensions, because NMEA's 3 does not occur. `user` (code or word = fix name) takes precedence.
+    /// Throws Error(Input) if a user's value is not a fix name, or two contradictory tables match.
     [[nodiscard]] static FixCodes for_column(std::string_view column_name, const std::map<std::string, std::string>& user,
                                              const std::string& file = {}, const CodeCounts& counts = {}, bool carrier = false);
 
-    /// Unknown where the table has no such code or word.
+    /// Unknown if the code or word is not in the table.
     [[nodiscard]] FixType of(std::string_view field) const;
-    /// Which table, for reports: "codes in the column's name", "RTKLIB Q", "NMEA quality", ...
+    /// The table used, for reports: "codes in the column's name", "RTKLIB Q", "NMEA quality", ...
     [[nodiscard]] const std::string& table() const { return table_; }
-    /// Decided by the codes that occur, not by the name alone.
+    /// Decided by the codes present, not by the name alone.
     [[nodiscard]] bool by_evidence() const { return by_evidence_; }
 
 private:

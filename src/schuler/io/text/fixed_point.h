@@ -32,7 +32,7 @@ inline char* put_digits(char* out, std::uint64_t value) {
         put_pair(out, value);
         return out + 2;
     } else if constexpr (Count <= 8) {
-        // Halves are independent of each other, so the divisions overlap.
+        // The halves are independent, so the divisions overlap.
         constexpr int low = Count / 4 * 2 == 0 ? 2 : Count / 4 * 2;
         constexpr std::uint32_t split = low == 2 ? 100 : 10'000;
         const auto v = static_cast<std::uint32_t>(value);
@@ -45,7 +45,7 @@ inline char* put_digits(char* out, std::uint64_t value) {
     }
 }
 
-/// A whole number without leading zeros.
+/// An integer without leading zeros.
 inline char* put_integer(char* out, std::uint64_t value) {
     if (value < 10) {
         *out = static_cast<char>('0' + value);
@@ -78,14 +78,14 @@ inline char* put_integer(char* out, std::uint64_t value) {
     return out + n;
 }
 
-/// Values beyond the fast path: huge, infinite.
+/// Values beyond the fast path: large, infinite.
 [[nodiscard]] char* put_unusual(char* out, double value, int decimals);
 
 constexpr std::uint64_t power_of_ten(int n) { return n == 0 ? 1 : 10 * power_of_ten(n - 1); }
 
 }  // namespace detail
 
-/// Bytes one number may need.
+/// Largest number of bytes of one number.
 inline constexpr std::size_t widest_number = 48;
 
 /// Appends value with Decimals decimals, rounded to the nearest last digit (to one unit of the product value * 10^Decimals in

@@ -27,7 +27,7 @@ int shift_of(TimeUnit unit) {
     return 9;
 }
 
-/// Scans again, keeping the first 19 significant digits only: what is beyond them lies below any nanosecond that fits.
+/// Scans again, keeping only the first 19 significant digits: further digits are below a nanosecond for any valid time.
 void keep_leading_digits(const char* p, const char* end, Decimal& d) {
     const int written_exponent = d.exponent;
     int kept = 0, after = 0;
@@ -44,7 +44,7 @@ void keep_leading_digits(const char* p, const char* end, Decimal& d) {
     d.exponent = written_exponent + after;
 }
 
-/// Copy with a stop byte and readable bytes behind it, as the scanners want.
+/// Copy with a stop byte and readable bytes after it, as required by the scanners.
 struct Padded {
     std::string text;
     explicit Padded(std::string_view field) : text(trimmed(field)) { text.append(16, '\0'); }

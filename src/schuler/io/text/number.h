@@ -21,7 +21,7 @@ struct Decimal {
 
 namespace detail {
 
-/// Eight ASCII digits at once: are these eight bytes all '0'..'9'?
+/// True if these eight bytes are all ASCII digits '0'..'9'.
 inline bool are_eight_digits(std::uint64_t bytes) {
     // The high nibble of a digit is 3 and stays 3 when 6 is added to the low nibble.
     constexpr std::uint64_t high = 0xf0f0f0f0f0f0f0f0U;
@@ -52,8 +52,8 @@ inline const char* scan_digits(const char* p, std::uint64_t& value) {
 
 }  // namespace detail
 
-/// Scans a decimal number. The text must be followed by a byte that is no part of a number and by at least eight readable
-/// bytes. Returns where the number ends, or nullptr if there is none.
+/// Scans a decimal number. The text must be followed by a byte that is not part of a number and by at least eight readable bytes.
+/// Returns the end of the number, or nullptr if there is none.
 inline const char* scan_decimal(const char* p, Decimal& d) {
     d.negative = *p == '-';
     if (*p == '-' || *p == '+') ++p;
@@ -87,7 +87,7 @@ inline const char* scan_decimal(const char* p, Decimal& d) {
 
 /// The double nearest to the decimal scanned from [begin, end).
 inline double value_of(const Decimal& d, const char* begin, const char* end) {
-    // Both factors are exact doubles here, so the one operation rounds once: correctly.
+    // Both factors are exact doubles here, so the single operation rounds correctly.
     static constexpr double power[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
                                        1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
     if (d.count <= 19 && d.digits <= (std::uint64_t{1} << 53) && d.exponent >= -22 && d.exponent <= 22) [[likely]] {
@@ -98,8 +98,8 @@ inline double value_of(const Decimal& d, const char* begin, const char* end) {
     return detail::double_from_text(begin, end);
 }
 
-/// Nanoseconds of a decimal time in a unit, rounded to the nearest (halves away from zero), never through a double.
-/// [begin, end) is the text scanned. False where the size of the result exceeds 4e18 (126 years).
+/// Nanoseconds of a decimal time in a unit, rounded to the nearest (halves away from zero), without conversion to double. [begin,
+/// end) is the text scanned. False if the magnitude of the result exceeds 4e18 (126 years).
 [[nodiscard]] bool nanoseconds_of(const Decimal& d, TimeUnit unit, const char* begin, const char* end, std::int64_t& ns);
 
 /// A whole field as a double (blanks around it allowed): NaN if it is not a finite number (empty, "nan", text).
@@ -107,7 +107,7 @@ inline double value_of(const Decimal& d, const char* begin, const char* end) {
 /// A whole field as a time; false if it is not one.
 [[nodiscard]] bool nanoseconds_from(std::string_view field, TimeUnit unit, std::int64_t& ns);
 
-/// Whether a field looks like a number or a missing value (empty, nan, n/a, null, -).
+/// True if a field looks like a number or a missing value (empty, nan, n/a, null, -).
 [[nodiscard]] bool is_missing_value(std::string_view field);
 [[nodiscard]] std::string_view trimmed(std::string_view field);
 

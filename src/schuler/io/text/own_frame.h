@@ -1,11 +1,11 @@
-// Trajectories whose coordinates mean nothing outside their file.
+// Trajectories with coordinates that are local to their file.
 #pragma once
 
 #include "schuler/io/text/table.h"
 
 namespace schuler::io {
 
-/// Whether a table is a trajectory in coordinates x, y, z of its own, without a place on the Earth.
+/// True if a table is a trajectory in its own coordinates x, y, z, without a position on the Earth.
 [[nodiscard]] bool is_own_frame(const TableLayout& layout);
 
 }  // namespace schuler::io

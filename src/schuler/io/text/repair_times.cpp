@@ -7,7 +7,7 @@ namespace schuler::io {
 namespace {
 
 constexpr std::int64_t one_second = 1'000'000'000, day = 86'400 * one_second, week = 7 * day;
-/// So many rows in a row may have gone astray together; more are a pause, or another log.
+/// Largest number of consecutive stray rows; more are a pause, or another log.
 constexpr std::size_t longest_run = 5;
 
 std::int64_t median_step(const std::vector<std::int64_t>& times) {
@@ -29,7 +29,7 @@ TimeRepair repair_times(std::vector<std::int64_t>& times) {
     constexpr std::int64_t steps = 20;
     const std::int64_t limit = std::max(one_second, steps * std::min(median_step(times), INT64_MAX / steps));
     const auto near = [&](std::int64_t from, std::int64_t to) { return std::abs(to - from) <= limit; };
-    // a first row far from the second and the third, which are near each other and before it
+    // a first row far from the second and the third, which are close to each other and before it
     std::size_t i = 1;
     if (!near(times[0], times[1]) && near(times[1], times[2]) && times[0] > times[1] && week - (times[0] - times[1]) > limit &&
         day - (times[0] - times[1]) > limit) {
@@ -43,7 +43,7 @@ TimeRepair repair_times(std::vector<std::int64_t>& times) {
             last = std::max(last, times[i]);
             continue;
         }
-        // back among the others within a few rows: those between have gone astray
+        // back among the others within a few rows: those between are stray
         std::size_t k = i + 1;
         while (k < times.size() && k <= i + longest_run && !near(last, times[k] + shift)) ++k;
         if (k < times.size() && k <= i + longest_run) {

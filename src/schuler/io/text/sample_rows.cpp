@@ -54,7 +54,7 @@ std::size_t SampleColumns::add(const std::string& canonical, bool required, doub
     request.column = match->column;
     request.kind = kind;
     request.factor = match->factor * si;
-    // A column in the SI unit (radians) must come out as written, not times (180/pi)(pi/180).
+    // A column in the SI unit (radians) must remain exactly as written, without a factor (180/pi)(pi/180).
     if (std::abs(request.factor - 1.0) < 1e-15) request.factor = 1.0;
     request.offset = match->offset * si;
     request.unit = match->time_unit;
@@ -80,7 +80,7 @@ void RowAudit::bad_row(const TableReader& reader) {
 void RowAudit::absurd(const Error& error, const TableReader& reader) {
     if (counts_.bad++ == 0) first_bad_line_ = reader.line();
     if (absurd_++ == 0) first_absurd_.push_back(error);
-    constexpr std::size_t enough = 200;  // to tell a unit from an accident without reading it all
+    constexpr std::size_t enough = 200;  // sufficient to distinguish a wrong unit from an outlier without reading the whole file
     if (absurd_ > enough && 2 * absurd_ > counts_.read) throw first_absurd_.front();
 }
 

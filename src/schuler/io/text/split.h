@@ -1,4 +1,4 @@
-// Text in parts.
+// Splitting of text.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace schuler::io {
 
-/// What is between the marks, empty parts too; one part where there is no mark.
+/// The parts between the separators, including empty ones; one part if there is no separator.
 template <class Part = std::string>
 [[nodiscard]] std::vector<Part> split(std::string_view text, char mark) {
     std::vector<Part> parts;

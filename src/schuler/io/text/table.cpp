@@ -15,7 +15,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 bool is_line_end(char c) { return c == '\n' || c == '\r'; }
 
-/// How many characters the last number of a line has behind its decimal point (all of them where there is no point).
+/// Number of characters of the last number of a line after its decimal point (all of them if there is no point).
 std::size_t last_number_length(const char* start, const char* stop) {
     const char* p = stop;
     std::size_t length = 0;
@@ -58,7 +58,7 @@ TableReader::TableReader(const TextInput& input, const TableLayout& layout, std:
 }
 
 bool TableReader::next_block() {
-    // A last line without line end comes in a block of its own: keep what is needed of the row above.
+    // A last line without line end is in a separate block: keep the required data of the row above.
     if (previous_row_ != nullptr) previous_length_ = last_number_length(previous_row_, without_line_end(previous_row_, end_));
     if (first_data_line_ == 0 || !blocks_.next()) return false;
     if (decimal_comma_) std::replace(blocks_.data(), blocks_.data() + (blocks_.end() - blocks_.begin()), ',', '.');
@@ -93,7 +93,7 @@ bool TableReader::next() {
     }
 }
 
-/// Reads the requested fields of a line; returns where it stopped, at or before the line end.
+/// Reads the requested fields of a line; returns its end position, at or before the line end.
 const char* TableReader::read_row(const char* p) {
     const std::size_t count = field_of_column_.size();
     std::size_t column = 0;
@@ -151,7 +151,7 @@ const char* TableReader::read_field(const char* p, std::size_t field) {
         texts_[field] = text;
         if (text.empty()) missing(field, text);
     } else if (slot.kind == FieldKind::Number) {
-        const double value = number_from(text);  // a number in quotes
+        const double value = number_from(text);  // a number in quotation marks
         numbers_[field] = value * slot.factor + slot.offset;
         if (std::isnan(value)) missing(field, text);
     } else if (!nanoseconds_from(text, slot.unit, times_[field])) {
@@ -161,7 +161,7 @@ const char* TableReader::read_field(const char* p, std::size_t field) {
     return stop;
 }
 
-/// The text of the field at p, without blanks around it and quotes; returns where it ends.
+/// The text of the field at p, without surrounding blanks and quotes; returns its end.
 const char* TableReader::field_text(const char* p, std::string_view& text) const {
     const char* start = p;
     if (*p == '"' || *p == '\'') {
@@ -190,7 +190,7 @@ void TableReader::missing(std::size_t field, std::string_view text) {
     }
 }
 
-/// For a file that ends without a line end. Throws where fields are missing; false if the last number looks cut.
+/// For a file without a final line end. Throws if fields are missing; false if the last number appears truncated.
 bool TableReader::last_line_complete(const char* start, const char* stop) const {
     stop = without_line_end(start, stop);
     const std::size_t fields = split_fields({start, static_cast<std::size_t>(stop - start)}, delimiter_).size();

@@ -1,4 +1,4 @@
-// Tables in text files: layout by inspection, and a reader of selected columns that allocates nothing per row.
+// Tables in text files: layout by inspection, and a reader of selected columns without allocation per row.
 #pragma once
 
 #include "schuler/core/error.h"
@@ -12,27 +12,27 @@
 
 namespace schuler::io {
 
-/// How a table is written.
+/// Notation of a table.
 struct TableLayout {
-    std::string file;                              ///< name for messages
+    std::string file;                              ///< name used in messages
     char delimiter = ',';                          ///< ',', ';', '\t' or ' ' (any run of blanks)
-    bool decimal_comma = false;                    ///< numbers are written 1,5 (with ';' or tab between columns)
-    std::vector<std::string> names;                ///< of the columns; empty where there is no header line
-    std::vector<std::string> units;                ///< of a line of units below the header, else empty
-    int columns = 0;                               ///< named ones, or of the data where there is no header
+    bool decimal_comma = false;                    ///< numbers are written as 1,5 (with ';' or tab between columns)
+    std::vector<std::string> names;                ///< of the columns; empty without a header line
+    std::vector<std::string> units;                ///< from a line of units below the header, else empty
+    int columns = 0;                               ///< named ones, or those of the data without a header
     int data_columns = 0;                          ///< fields in most of the data lines
     long header_line = 0;                          ///< 0: none
     long first_data_line = 0;                      ///< 0: no data
     std::vector<std::string> comments;             ///< the first comment lines
     std::vector<std::vector<std::string>> sample;  ///< fields of the first data lines (up to 50)
     std::size_t size_bytes = 0;
-    std::size_t estimated_rows = 0;  ///< from the size of the file; 0 where unknown
+    std::size_t estimated_rows = 0;  ///< from the size of the file; 0 if unknown
     bool compressed = false;
 };
 
-/// Finds out delimiter, header and number of columns from the first lines. Recognises `#` and `%` comments (a header may stand
-/// in one), CRLF, a byte order mark, quotes, a trailing delimiter, decimal commas, a line of units.
-/// Throws Error(Input): as LineBlocks, and where the file is empty.
+/// Determines delimiter, header and number of columns from the first lines. Recognises `#` and `%` comments (which may contain a
+/// header), CRLF, a byte order mark, quotes, a trailing delimiter, decimal commas, a line of units.
+/// Throws Error(Input): as LineBlocks, and if the file is empty.
 [[nodiscard]] TableLayout inspect_table(const TextInput& input);
 
 /// The fields of one line (without its line end), trimmed and unquoted.
@@ -46,22 +46,22 @@ struct FieldRequest {
     FieldKind kind = FieldKind::Number;
     double factor = 1.0;  ///< result = number * factor + offset
     double offset = 0.0;
-    TimeUnit unit = TimeUnit::Seconds;  ///< of a Time field
+    TimeUnit unit = TimeUnit::Seconds;  ///< for a Time field
     bool required = true;
-    std::string name;  ///< for messages
+    std::string name;  ///< used in messages
 };
 
 /// Reads the requested columns row by row. Numbers are the nearest doubles; times are exact nanoseconds. A field of an optional
-/// column that is not a number is NaN (a time: missing); of a required one it is the problem of the row.
+/// column that is not a number is NaN (a time: missing); in a required one it is a problem of the row.
 class TableReader {
 public:
     static constexpr std::int64_t no_time = std::numeric_limits<std::int64_t>::min();
 
     TableReader(const TextInput& input, const TableLayout& layout, std::vector<FieldRequest> fields);
 
-    /// Moves to the next data row; false at the end. Throws Error(Input) on a last line that is cut: fewer fields than the table
-    /// has columns and no line end. A complete last line without line end is kept unless its last number is shorter than the
-    /// one above (then it is dropped and last_line_dropped() says so).
+    /// Moves to the next data row; false at the end. Throws Error(Input) for a truncated last line: fewer fields than the table
+    /// has columns and no line end. A complete last line without line end is kept unless its last number is shorter than the one
+    /// above (it is then dropped and last_line_dropped() is true).
     [[nodiscard]] bool next();
 
     [[nodiscard]] double number(std::size_t field) const { return numbers_[field]; }
@@ -108,8 +108,8 @@ private:
     std::vector<std::string_view> texts_;
     const char* p_ = nullptr;
     const char* end_ = nullptr;
-    const char* previous_row_ = nullptr;  ///< the last row before in this block
-    std::size_t previous_length_ = 0;     ///< of its last number behind the decimal point
+    const char* previous_row_ = nullptr;  ///< the previous row in this block
+    std::size_t previous_length_ = 0;     ///< of its last number after the decimal point
     long line_ = 0;
     int problem_field_ = -1;
     std::string_view problem_text_;

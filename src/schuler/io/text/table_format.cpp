@@ -1,4 +1,4 @@
-// Tables of text and settings: recognised when nothing with a mark of its own is.
+// Text tables and settings: recognised if no format with a signature matches.
 #include "schuler/core/units.h"
 #include "schuler/io/atomic_file.h"
 #include "schuler/io/formats.h"
@@ -9,7 +9,7 @@
 namespace schuler::io {
 namespace {
 
-/// Ten columns without names, as KF-GINS's truth: time, latitude, longitude, height, velocity NED, roll, pitch, heading.
+/// Ten columns without names, as in KF-GINS truth files: time, latitude, longitude, height, velocity NED, roll, pitch, heading.
 std::string kfgins_text(std::span<const SolutionRow> rows) {
     std::string out;
     char cell[widest_number];

@@ -20,14 +20,14 @@ struct Line {
     std::string text;
 };
 
-/// The first lines of a table: comments apart from the rest.
+/// The first lines of a table, with comments separated.
 struct FirstLines {
     std::vector<Line> comments, rows;
 };
 
 bool is_comment(std::string_view line) { return !line.empty() && (line.front() == '#' || line.front() == '%'); }
 
-/// A wider table is no log, and what follows would take for ever.
+/// A wider table is not a log, and processing it would take too long.
 void check_width(const SourcePlace& place, std::string_view line) {
     constexpr std::ptrdiff_t most_columns = 4096;
     for (const char delimiter : {',', ';', '\t', ' '})
@@ -64,7 +64,7 @@ bool looks_numeric(const std::string& field, bool decimal_comma) {
     return is_missing_value(field) || is_number(field, decimal_comma);
 }
 
-/// Share of the fields of these lines that are numbers when split at a delimiter.
+/// Fraction of the fields in these lines that are numbers when split at a delimiter.
 double numeric_share(const std::vector<Line>& rows, std::size_t first, char delimiter) {
     std::size_t numeric = 0, total = 0;
     for (std::size_t i = first; i < rows.size(); ++i) {
@@ -76,7 +76,7 @@ double numeric_share(const std::vector<Line>& rows, std::size_t first, char deli
     return total == 0 ? 0.0 : static_cast<double>(numeric) / static_cast<double>(total);
 }
 
-/// The delimiter that makes most fields numbers; between equals the one that makes more fields.
+/// The delimiter for which most fields are numbers; of equals the one with more fields.
 char find_delimiter(const std::vector<Line>& rows) {
     const std::size_t first = rows.size() > 1 ? 1 : 0;  // the first line may be a header
     char best = ',';
@@ -130,7 +130,7 @@ bool is_header(const std::vector<std::string>& fields, const std::vector<std::st
     return first_is_name && 2 * c.numeric <= fields.size() && below != nullptr && is_number(below->front(), true);
 }
 
-/// A header that stands in the comment above the data, as numpy writes it.
+/// A header in the comment above the data, as written by numpy.
 std::optional<std::vector<std::string>> header_in_comment(const std::string& comment, char delimiter, int columns) {
     const std::size_t start = comment.find_first_not_of("#% \t");
     if (start == std::string::npos) return std::nullopt;

@@ -29,7 +29,7 @@ TextInput TextInput::memory(std::string_view content, std::string display_name) 
     return input;
 }
 
-/// Where the bytes come from.
+/// Source of the bytes.
 struct LineBlocks::Source {
     std::string name;
     int fd = -1;
@@ -138,7 +138,7 @@ void LineBlocks::skip_byte_order_mark() {
     }
 }
 
-/// A zero byte means a binary file, or a log whose end was never written.
+/// A zero byte indicates a binary file, or a log whose end was not written.
 void LineBlocks::check_text() {
     const void* zero = std::memchr(buffer_.data(), 0, size_);
     if (zero == nullptr) return;

@@ -1,4 +1,4 @@
-// Text files as blocks of whole lines: plain or gz-compressed files, or a buffer in memory. Memory does not grow with the file.
+// Text files as blocks of whole lines: plain or gz-compressed files, or a buffer in memory. Memory use is bounded.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace schuler::io {
 
-/// What to read: a file by its path, or content already in memory with the name that messages show.
+/// Input to be read: a file by its path, or content already in memory with a name for messages.
 class TextInput {
 public:
     TextInput(const std::filesystem::path& path) : name_(path.string()) {}  // NOLINT: implicit, a path is an input
@@ -29,9 +29,9 @@ private:
     bool in_memory_ = false;
 };
 
-/// Delivers the input in blocks of whole lines, each line ended by '\n' (carriage returns before it are left in place; files
-/// with carriage returns only are translated). At least `padding` readable bytes follow each block, so that scanners may look
-/// ahead without checking. A byte order mark is skipped.
+/// Delivers the input in blocks of whole lines, each terminated by '\n' (preceding carriage returns are kept; files with carriage
+/// returns only are converted). At least `padding` readable bytes follow each block, so that scanners may look ahead without
+/// checking. A byte order mark is skipped.
 class LineBlocks {
 public:
     static constexpr std::size_t padding = 64;
@@ -42,18 +42,18 @@ public:
     LineBlocks(const LineBlocks&) = delete;
     LineBlocks& operator=(const LineBlocks&) = delete;
 
-    /// Moves on to the next block; false at the end of the input. Throws Error(Input) on binary content (zero bytes, UTF-16),
-    /// a line over 16 MB, a damaged or cut gz file, a read error.
+    /// Moves on to the next block; false at the end of the input. Throws Error(Input) on binary content (zero bytes, UTF-16), a
+    /// line over 16 MB, a damaged or truncated gz file, a read error.
     [[nodiscard]] bool next();
     [[nodiscard]] const char* begin() const { return buffer_.data(); }
     [[nodiscard]] const char* end() const { return buffer_.data() + size_; }
-    /// For changes in place (decimal commas).
+    /// For in-place changes (decimal commas).
     [[nodiscard]] char* data() { return buffer_.data(); }
     /// Number of the first line of the block, from 1.
     [[nodiscard]] long first_line() const { return first_line_; }
-    /// True when this is the last block and the file does not end with a line end (one has been appended here).
+    /// True if this is the last block and the file does not end with a line end (one has been appended here).
     [[nodiscard]] bool ended_without_newline() const { return ended_without_newline_; }
-    /// Bytes of the file on disk or in memory; 0 where unknown (pipes).
+    /// Size of the file on disk or in memory; 0 if unknown (pipes).
     [[nodiscard]] std::size_t size_on_disk() const;
     [[nodiscard]] bool compressed() const;
 
@@ -68,7 +68,7 @@ private:
     std::vector<char> buffer_;
     std::size_t block_size_;
     std::size_t size_ = 0;    ///< bytes of the current block
-    std::size_t filled_ = 0;  ///< bytes in the buffer, the start of the next block included
+    std::size_t filled_ = 0;  ///< bytes in the buffer, including the start of the next block
     long first_line_ = 1;
     bool started_ = false;
     bool at_end_ = false;
@@ -77,7 +77,7 @@ private:
 };
 
 /// The whole input as one string (small files: settings), decompressed, without byte order mark.
-/// Throws Error(Input) as LineBlocks does, or where it is larger than `limit` bytes.
+/// Throws Error(Input) as LineBlocks does, or if it is larger than `limit` bytes.
 [[nodiscard]] std::string read_text(const TextInput& input, std::size_t limit = 64 * 1024 * 1024);
 
 }  // namespace schuler::io

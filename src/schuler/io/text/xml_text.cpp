@@ -6,7 +6,7 @@
 namespace schuler::io {
 namespace {
 
-// Length of the UTF-8 sequence at the start of text that XML 1.0 allows, or 0.
+// Length of a UTF-8 sequence at the start of text permitted by XML 1.0, or 0.
 std::size_t character_length(std::string_view text) {
     const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
     const std::uint8_t head = byte(0);
@@ -38,7 +38,7 @@ std::string xml_text(std::string_view text) {
             case '>': out += "&gt;"; break;
             case '"': out += "&quot;"; break;
             case '\'': out += "&#39;"; break;
-            case '\r': break;  // half of the line end of another system
+            case '\r': break;  // part of a line end of another system
             default: out += text.substr(0, length);
         }
         text.remove_prefix(std::max<std::size_t>(length, 1));

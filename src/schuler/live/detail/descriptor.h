@@ -1,4 +1,4 @@
-// Descriptors of the operating system: owned, opened without waiting, private to the room.
+// Operating system descriptors: owned, opened without blocking, private to the room.
 #pragma once
 
 #include "schuler/live/endpoint.h"
@@ -8,7 +8,7 @@
 
 namespace schuler::live::detail {
 
-/// Closes what it owns; -1: nothing.
+/// Closes the descriptor it owns; -1: none.
 class Descriptor {
 public:
     Descriptor() = default;
@@ -27,7 +27,7 @@ private:
     int fd_ = -1;
 };
 
-/// A descriptor, or why there is none. `pending`: a connection under way; writable once it is decided.
+/// A descriptor, or the reason for its absence. `pending`: connection in progress; writable once it is decided.
 struct Opened {
     Descriptor fd;
     bool pending = false;
@@ -39,7 +39,7 @@ struct Opened {
 [[nodiscard]] Opened open_udp(const Endpoint& endpoint, bool receive);
 [[nodiscard]] Opened open_serial(const Endpoint& endpoint);
 [[nodiscard]] Opened accept_client(int listener);
-/// Of a connection that was under way: empty where it stands.
+/// Result of a connection that was in progress: empty if it is established.
 [[nodiscard]] std::string failure_of_connection(int fd);
 [[nodiscard]] std::string text_of_errno(int code);
 

@@ -1,4 +1,4 @@
-// Where one message ends and the next begins. Private to the room.
+// Framing of messages. Private to the room.
 #pragma once
 
 #include "schuler/live/decoder.h"
@@ -8,9 +8,9 @@
 
 namespace schuler::live::detail {
 
-inline constexpr std::size_t longest_message = 1 << 16;  ///< bytes; what is longer is garbage
+inline constexpr std::size_t longest_message = 1 << 16;  ///< bytes; anything longer is invalid
 
-/// Calls `line(text)` for each whole line, without its line end. What is too long to be a line is `bad`.
+/// Calls `line(text)` for each complete line, without its line end. A line that is too long is `bad`.
 class Lines {
 public:
     template <class Line, class Bad>

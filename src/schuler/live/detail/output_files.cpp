@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// How every file of a format begins.
+/// Initial bytes of every file of a format.
 std::string beginning_of(MessageFormat format) {
     switch (format) {
         case MessageFormat::Csv: return std::string(io::solution_csv_header()) + "\n";

@@ -8,10 +8,10 @@
 namespace schuler::report::detail {
 namespace {
 
-// Beyond this a width would overflow to infinity.
+// Above this a width would overflow to infinity.
 constexpr double largest_drawn = 1e150;
 
-// Widens an interval by a fraction of its width on both sides, and one without width to something that can be drawn.
+// Widens an interval by a fraction of its width on both sides, and a zero-width interval to a drawable one.
 Range padded(Range range, double fraction) {
     const double size = std::max(std::abs(range.lo), std::abs(range.hi));
     if (range.width() <= 1e-9 * size || range.width() == 0.0) {
@@ -56,7 +56,7 @@ void Range::take(double v) {
 std::vector<Tick> ticks_every(Range range, double step, int decimals) {
     const double largest = std::max(std::abs(range.lo), std::abs(range.hi));
     const bool plain = largest < 1e7 && decimals <= 6;
-    // Otherwise as many digits as tell neighbours apart.
+    // Otherwise as many digits as distinguish neighbours.
     const int digits = std::clamp(static_cast<int>(std::ceil(std::log10(largest / step))) + 1, 6, 15);
     std::vector<Tick> ticks;
     const double first = std::ceil(range.lo / step - 1e-9);

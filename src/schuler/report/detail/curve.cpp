@@ -1,4 +1,4 @@
-// Series and bands into SVG paths.
+// Conversion of series and bands to SVG paths.
 #include "schuler/report/decimate.h"
 #include "schuler/report/detail/markup.h"
 #include "schuler/report/detail/panel.h"
@@ -23,13 +23,13 @@ struct Point {
     long x, y;
 };
 
-// Path units of a pair already in axis units (log10 where that applies). What lies far outside stays outside, but small.
+// Path units of a pair already in axis units (log10 if applicable). Points far outside remain outside, but limited.
 Point path_point(double x, double y, const Frame& frame) {
     const auto unit = [](double px) { return std::lround(std::clamp(px, -1e5, 1e5) * path_units_per_px); };
     return {unit(frame.px(x)), unit(frame.py(y))};
 }
 
-// Relative line-to commands share one letter, and the minus sign separates as well as a blank does.
+// Relative line-to commands share one letter, and a minus sign is also a separator.
 void append_step(std::string& d, Point from, Point to, bool first) {
     const long dx = to.x - from.x, dy = to.y - from.y;
     d += first ? "l" : dx < 0 ? "" : " ";
@@ -40,13 +40,13 @@ void append_run(std::string& d, const std::vector<Point>& run) {
     if (run.empty()) return;
     fmt::format_to(std::back_inserter(d), "M{} {}", run.front().x, run.front().y);
     for (std::size_t i = 1; i < run.size(); ++i) append_step(d, run[i - 1], run[i], i == 1);
-    if (run.size() == 1) d += "h0";  // a lone point is a dot, by its round cap
+    if (run.size() == 1) d += "h0";  // a single point is drawn as a dot by its round cap
 }
 
-// What is clamped stays this far inside, px, so that its mark is whole (the script knows the number, too).
+// Clamped points stay this far inside, px, so that their mark is complete (the script uses the same number).
 constexpr double edge_inset = 5.0;
 
-// Vertical values as drawn: logarithm, clamping. What cannot be drawn becomes NaN.
+// Vertical values as drawn: logarithm, clamping. Values that cannot be drawn become NaN.
 std::vector<double> drawn_values(const std::vector<double>& y, const Panel& panel, const Frame& frame, bool clamp) {
     std::vector<double> out(y);
     const double inset = edge_inset / frame.plot_height() * frame.y.width();
@@ -57,7 +57,7 @@ std::vector<double> drawn_values(const std::vector<double>& y, const Panel& pane
     return out;
 }
 
-// Gaps are the source's entries that are not finite; between two kept points there may be a decimated piece or a gap.
+// Gaps are entries of the source that are not finite; between two kept points there may be decimated points or a gap.
 class GapFinder {
 public:
     GapFinder(std::span<const double> x, std::span<const double> y) : before_(x.size() + 1, 0) {
@@ -71,7 +71,7 @@ private:
     std::vector<std::size_t> before_;
 };
 
-// Times of the kept points in milliseconds from the first, as differences: ties a map's cursor to the time panels.
+// Times of the kept points in milliseconds from the first, as differences: links a map's cursor to the time panels.
 std::string time_attribute(const Series& series, const std::vector<std::size_t>& kept) {
     if (series.time.size() != series.x.size() || kept.empty()) return {};
     std::string text = fmt::format(" data-t=\"{:.3f}", series.time[kept.front()]);
@@ -109,7 +109,7 @@ std::string series_path(const Series& series, const Panel& panel, const Frame& f
     const std::string common = fmt::format("data-i=\"{}\" data-k=\"{}\" data-n=\"{}\"{}", index, kind, io::xml_text(series.name),
                                            series.clamp ? " data-clamp=\"1\"" : "");
     const std::string_view ink = ink_class(series.ink);
-    if (series.mark == Mark::Squares) {  // a square with a hole: two passes, the second not a curve of its own
+    if (series.mark == Mark::Squares) {  // a square with a hole: two passes, the second is not a separate curve
         return fmt::format("<path class=\"sq i-{}\" {}{} d=\"{}\"/><path class=\"hole\" data-i=\"{}\" d=\"{}\"/>", ink, common,
                            time_attribute(series, kept), d, index, d);
     }

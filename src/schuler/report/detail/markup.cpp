@@ -40,7 +40,7 @@ bool numeric_column(const TableBlock& table, std::size_t column) {
 std::string number(double v, int significant) {
     if (!std::isfinite(v)) return "–";
     if (v == 0.0) return "0";
-    // Rounded to the digits first, so that 9.9996 with four of them is 10.00 and not 10.000.
+    // Rounded to the digits first, so that 9.9996 with four digits is 10.00 and not 10.000.
     const std::string scientific = fmt::format("{:.{}e}", v, std::max(significant, 1) - 1);
     const int exponent = std::stoi(scientific.substr(scientific.find('e') + 1));
     if (exponent < -4 || exponent > 6) return scientific;

@@ -1,4 +1,4 @@
-// Parts of a page that are made of text.
+// Text parts of a page.
 #pragma once
 
 #include "schuler/io/text/xml_text.h"
@@ -9,10 +9,10 @@
 
 namespace schuler::report::detail {
 
-/// An identifier of a-z, 0-9 and hyphens made from a title; number keeps it unique.
+/// An identifier of a-z, 0-9 and hyphens formed from a title; number makes it unique.
 [[nodiscard]] std::string anchor(std::string_view title, int number);
 
-/// Whether all cells of a column start like numbers, or are empty.
+/// True if all cells of a column start like numbers, or are empty.
 [[nodiscard]] bool numeric_column(const TableBlock& table, std::size_t column);
 
 }  // namespace schuler::report::detail

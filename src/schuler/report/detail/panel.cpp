@@ -30,7 +30,7 @@ void check_lengths(const Panel& panel) {
     }
 }
 
-// The narrower interval of a map grows until a metre is as long east as north; a tall track makes a taller panel.
+// The narrower interval of a map is widened to equal scales; a tall track gives a taller panel.
 void equalize(Frame& frame) {
     constexpr double tallest = 620.0;
     const double wanted = frame.y.width() / frame.x.width() * frame.plot_width() + frame.top + Frame::bottom;
@@ -54,7 +54,7 @@ void append_axes(std::string& out, const Panel& panel, const Frame& f) {
                        "<path class=\"grid\" d=\"M{:.1f} {:g}v{:g}\"/><text class=\"tx\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>", x,
                        f.top, h, x, f.top + h + 14.0, t.label);
     }
-    // A map's steps are the same on both axes.
+    // The tick step of a map is the same on both axes.
     const double rows = panel.equal_axes ? 10.0 * h / w : std::max(2.0, std::floor(h / 34.0));
     const bool stepped = panel.y_step > 0.0 && f.y.width() / panel.y_step < 3 * rows;
     for (const Tick& t : panel.log_y ? log_ticks(f.y) : stepped ? ticks_every(f.y, panel.y_step, 0) : linear_ticks(f.y, rows)) {
@@ -72,11 +72,11 @@ void append_axes(std::string& out, const Panel& panel, const Frame& f) {
                    middle, io::xml_text(panel.y_label));
 }
 
-// About the width of a text of the small label size, px.
+// Approximate width of a text in the small label size, px.
 double text_width(std::string_view text) { return 6.2 * static_cast<double>(text.size()); }
 
 void append_spans(std::string& out, const Panel& panel, const Frame& f) {
-    double free_from = 0.0;  // labels above the plot, where there is room for them
+    double free_from = 0.0;  // labels above the plot, if there is space
     for (const Span& span : panel.spans) {
         if (!std::isfinite(span.start) || !std::isfinite(span.stop)) continue;
         const double a = std::clamp(f.px(span.start), 0.0, f.plot_width()), b = std::clamp(f.px(span.stop), 0.0, f.plot_width());
@@ -95,7 +95,7 @@ void append_spans(std::string& out, const Panel& panel, const Frame& f) {
     }
 }
 
-// Left upper corner, px from the plot's, of a box of that size in the corner of the plot where fewest points lie.
+// Upper left corner, px from that of the plot, of a box of the given size in the corner of the plot with the fewest points.
 std::pair<double, double> free_corner(const Panel& panel, const Frame& f, double width, double height) {
     const double right = f.plot_width() - width - 8.0, bottom = f.plot_height() - height - 4.0;
     std::pair<double, double> best;
@@ -115,7 +115,7 @@ std::pair<double, double> free_corner(const Panel& panel, const Frame& f, double
     return best;
 }
 
-// A bar of a round length in a corner of a map.
+// A scale bar of round length in a corner of a map.
 void append_scale_bar(std::string& out, const Panel& panel, const Frame& f) {
     constexpr double height = 32.0, margin = 10.0;
     const double per_px = f.x.width() / f.plot_width();
@@ -143,7 +143,7 @@ void append_swatch(std::string& out, Ink ink, std::string_view shape) {
     out += "</svg>";
 }
 
-// Buttons without a function until the script gives them one: then they show and hide their curve.
+// Buttons without a function until the script is active: they then show and hide their curve.
 void append_legend(std::string& out, const Panel& panel) {
     out += "<div class=\"legend\">";
     int index = 0;

@@ -1,4 +1,4 @@
-// Whether the solution may be trusted, and the growth of errors and sigmas without fixes that says so.
+// Trustworthiness of the solution, with the growth of errors and sigmas without fixes as evidence.
 #include "schuler/report/detail/run_sections.h"
 
 #include <array>

@@ -1,4 +1,4 @@
-// Errors against a reference inside three sigma, or the uncertainty alone; estimated sensor errors.
+// Errors relative to a reference with three-sigma bands, or the uncertainty alone; estimated sensor errors.
 #include "schuler/core/units.h"
 #include "schuler/report/detail/run_sections.h"
 
@@ -14,7 +14,7 @@ namespace {
 
 using Field = Eigen::Vector3d ErrorPoint::*;
 
-// A component of a vector as it is shown: which one, its sign there, and its name.
+// Display of a vector component: index, sign and name.
 struct Component {
     int axis;
     double sign;
@@ -51,7 +51,7 @@ Series error_series(const RunReportData& data, const std::vector<ErrorPoint>& po
     return out;
 }
 
-// Share of the errors inside three sigma from where errors count, percent; nothing without epochs.
+// Percentage of the evaluated errors within three sigma; empty without epochs.
 std::optional<double> percent_inside(const RunReportData& data, const Quantity& q, const Component& c) {
     std::size_t inside = 0, all = 0;
     for (const ErrorPoint& p : data.errors) {
@@ -101,15 +101,15 @@ Panel error_panel(const RunReportData& data, const Quantity& q, const Component&
     return panel;
 }
 
-// Start-up and outages make errors so large that the rest of the run becomes a flat line. The same panel at the scale of
-// that rest; nothing where the scales are alike.
+// Large errors during start-up and outages reduce the rest of the run to a flat line. The same panel at the scale of the rest;
+// empty if the scales are similar.
 std::optional<Panel> close_up(const RunReportData& data, const Panel& panel) {
     constexpr double much_larger = 6.0;
     double outside = 0.0, all = 0.0;
     const auto take = [&](double t, double v) {
         if (!std::isfinite(v)) return;
         all = std::fmax(all, std::abs(v));
-        // The first seconds after an outage still carry its error.
+        // The first seconds after an outage still contain its error.
         const bool near = std::any_of(data.outages.begin(), data.outages.end(), [t](const OutageEntry& o) {
             return t >= o.start_s && t <= o.start_s + 1.5 * o.duration_s + 2.0;
         });
@@ -119,7 +119,7 @@ std::optional<Panel> close_up(const RunReportData& data, const Panel& panel) {
         for (std::size_t i = 0; i < s.x.size(); ++i) take(s.x[i], s.y[i]);
     }
     const Band& band = panel.bands.front();
-    for (std::size_t i = band.x.size() / 20; i < band.x.size(); ++i) take(band.x[i], band.hi[i]);  // as data_range does
+    for (std::size_t i = band.x.size() / 20; i < band.x.size(); ++i) take(band.x[i], band.hi[i]);  // as in data_range
     if (outside == 0.0 || all < much_larger * outside) return std::nullopt;
     Panel out = panel;
     out.title += ", enlarged: scale without start-up and outages";
@@ -149,7 +149,7 @@ TableBlock inside_table(const RunReportData& data) {
     return table;
 }
 
-// Three sensors' axes of one kind of error as three panels with their bands.
+// The axes of a sensor triad for one kind of error as three panels with their bands.
 struct SensorQuantity {
     const char* title;
     const char* label;

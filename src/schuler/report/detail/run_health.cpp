@@ -1,4 +1,4 @@
-// The state of every source over time, a row each.
+// The state of every source over time, one row each.
 #include "schuler/report/detail/run_sections.h"
 
 #include <algorithm>
@@ -18,7 +18,7 @@ constexpr std::array looks{Look{"used", Ink::Blue},         Look{"refused", Ink:
                            Look{"silent", Ink::Sky},        Look{"partly refused", Ink::Vermillion},
                            Look{"partly used", Ink::Green}};
 
-/// Thin where there was nothing, or only a part was used.
+/// Thin if there were no data, or only a part was used.
 double width_of(std::string_view state) { return state == "silent" ? 3.0 : state.starts_with("partly") ? 5.0 : 9.0; }
 
 }  // namespace

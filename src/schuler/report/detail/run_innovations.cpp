@@ -14,7 +14,7 @@
 namespace schuler::report::detail {
 namespace {
 
-// One curve for each status; append_filled leaves out those without points.
+// One curve for each status; append_filled omits those without points.
 std::array<Series, 3> status_series() {
     return {{{.name = "accepted", .x = {}, .y = {}, .ink = Ink::Blue, .mark = Mark::Dots, .clamp = true},
              {.name = "rejected", .x = {}, .y = {}, .ink = Ink::Vermillion, .mark = Mark::Squares, .clamp = true},
@@ -27,7 +27,7 @@ void append_filled(Panel& panel, std::array<Series, 3>& series) {
     }
 }
 
-// The value below which that share of v lies; 0 without values.
+// The value below which the given fraction of v lies; 0 without values.
 double percentile(std::vector<double> v, double share) {
     if (v.empty()) return 0.0;
     const auto place = v.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(v.size() - 1));
@@ -35,8 +35,8 @@ double percentile(std::vector<double> v, double share) {
     return *place;
 }
 
-// A component's panel over the whole range and, where a few large ones (start-up, outages and what follows them, outliers) would
-// flatten the rest, one more at the scale of the rest. Nothing where the component is never measured.
+// A component's panel over the whole range and, if a few large values (start-up, outages and the time after them, outliers) would
+// flatten the rest, an additional one at the scale of the rest. Empty if the component is never measured.
 struct InnovationPanels {
     std::optional<Panel> whole, enlarged;
 };
@@ -47,7 +47,7 @@ InnovationPanels innovation_panels(const RunReportData& data, const InnovationGr
     Panel panel = time_panel(data, fmt::format("{} innovation, {}", group.name, name), fmt::format("innovation, {}", group.unit));
     std::array<Series, 3> series = status_series();
     Band band{.name = "±3σ predicted", .x = {}, .lo = {}, .hi = {}};
-    std::vector<double> gates, used;  // of the epochs that were not withheld
+    std::vector<double> gates, used;  // of the epochs not withheld
     double largest = 0.0;
     for (const InnovationPoint& p : group.points) {
         const double t = axis_seconds(data, p.time), v = p.innovation[component] / group.unit_si;
@@ -78,7 +78,7 @@ InnovationPanels innovation_panels(const RunReportData& data, const InnovationGr
     return out;
 }
 
-// Two-sided 95 % bounds for each number of degrees of freedom that occurs: straight bands over all the time.
+// Two-sided 95 % bounds for each number of degrees of freedom present: constant bands over all the time.
 std::vector<Band> chi_square_bands(const RunReportData& data, const InnovationGroup& group) {
     constexpr std::array<Ink, 3> inks{Ink::Green, Ink::Orange, Ink::Sky};
     const Panel time = time_panel(data, "", "");

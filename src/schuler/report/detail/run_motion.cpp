@@ -87,7 +87,7 @@ TableBlock run_table(const RunReportData& data) {
     return table;
 }
 
-// Heading jumps from 360 to 0 degrees: a gap there instead of a stroke across the plot.
+// Heading jumps from 360 to 0 degrees: drawn as a gap instead of a line across the plot.
 Series angle_series(const RunReportData& data, int axis, Ink ink, const std::string& name) {
     Series out{.name = name, .x = {}, .y = {}, .ink = ink};
     double previous = not_given;

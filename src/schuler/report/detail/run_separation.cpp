@@ -1,4 +1,4 @@
-// The forward filter against the one backward in time.
+// The forward filter compared with the one backward in time.
 #include "schuler/core/units.h"
 #include "schuler/report/detail/run_sections.h"
 
@@ -13,7 +13,7 @@ struct Line {
     Eigen::Vector3d ErrorPoint::*value;
     Eigen::Vector3d ErrorPoint::*sigma;
     int axis;
-    double factor;  // to the unit and sign of the label
+    double factor;  // to the unit and sign in the label
 };
 const std::array<Line, 4> lines{{
     {"North", "forward - backward, m", &ErrorPoint::position, &ErrorPoint::std_position, 0, 1.0},

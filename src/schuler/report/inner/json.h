@@ -1,4 +1,4 @@
-// What every JSON document of the program has in common (internal: no public header shows the JSON library).
+// Common parts of all JSON documents of the program (internal: the JSON library does not appear in public headers).
 #pragma once
 
 #include "schuler/analysis/errors.h"
@@ -16,7 +16,7 @@ namespace schuler::report {
 
 using Json = nlohmann::ordered_json;
 
-/// null where it does not apply.
+/// null if not applicable.
 [[nodiscard]] inline Json json_number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 
 [[nodiscard]] inline Json spread(const analysis::Spread& s, double unit = 1.0) {
@@ -33,16 +33,16 @@ using Json = nlohmann::ordered_json;
             {"imu_epochs_per_s", filter_alone_s > 0.0 ? Json(static_cast<double>(epochs) / filter_alone_s) : Json(nullptr)}};
 }
 
-/// How settings are known, as summaries and inspection have it.
+/// Origin of settings, as used in summaries and by inspection.
 [[nodiscard]] Json facts_json(const std::vector<Fact>& facts);
 [[nodiscard]] Json ignored_json(const std::vector<solution::Ignored>& ignored);
 
-/// A row of a result table: its cells under the columns' keys, null where there is nothing.
+/// A row of a result table: its cells under the keys of the columns, null for missing values.
 void put_row(Json& object, std::span<const TableColumn> columns, const std::vector<Cell>& row);
 /// All rows.
 [[nodiscard]] Json table_json(const ResultTable& table);
 
-/// Names from outside may hold any bytes.
+/// Names from external sources may contain any bytes.
 [[nodiscard]] inline std::string text_of(const Json& document) {
     return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -1,4 +1,4 @@
-// Options of the survey's further instruments, of data sets and of scenarios.
+// Options of the additional survey instruments, for data sets and scenarios.
 #include "schuler/settings/config/aids.h"
 
 #include "schuler/core/units.h"
@@ -45,7 +45,7 @@ Option<Target> places(const std::string& key, Access access) {
         });
 }
 
-/// The errors, which the simulator draws and the filter assumes: the same keys in both.
+/// The errors drawn by the simulator and assumed by the filter: the same keys in both.
 template <class Target, class Aids>
 void add_errors(OptionTable<Target>& table, Aids aids) {
     table

@@ -1,4 +1,4 @@
-// Instruments of a survey beside IMU and receiver: their files, and their errors as the filter assumes them.
+// Survey instruments other than IMU and receiver: their files, and their errors as assumed by the filter.
 #pragma once
 
 #include "schuler/core/samples.h"
@@ -8,8 +8,8 @@
 
 namespace schuler::settings {
 
-/// Sections [gauges], [log] and [compass] of dataset.toml; an empty file: no such instrument. One sigma; white at every sample,
-/// the others constant.
+/// Sections [gauges], [log] and [compass] of dataset.toml; an empty file: no such instrument. One sigma; white errors at every
+/// sample, the others constant.
 struct AidsConfig {
     struct {
         std::string file;                                                    ///< time_s, height_1_m [, height_2_m, height_3_m]

@@ -1,4 +1,4 @@
-// Under which other settings an option has an effect: for help, forms and documents. What a run finds of it is solution/ignored.cpp.
+// Settings under which an option has an effect: for help, forms and documents. Checked for a run in solution/ignored.cpp.
 #include "schuler/settings/config/sections.h"
 
 #include <array>
@@ -8,7 +8,7 @@
 namespace schuler::settings {
 namespace {
 
-/// Beginnings of keys; the first that fits holds.
+/// Prefixes of keys; the first match is used.
 constexpr auto conditions = std::to_array<std::pair<std::string_view, std::string_view>>({
     {"filter.aggressive_parts", "filter.loose = \"aggressive\""},
     {"filter.loose", "filter.scheme = \"loose\""},

@@ -28,7 +28,7 @@ std::string lower_without_blanks(const std::string& text) {
     return out;
 }
 
-/// The three names in the order x, y, z; empty ones where the text does not give them.
+/// The three names in the order x, y, z; empty if not given in the text.
 std::array<std::string, 3> names_of(const std::string& text) {
     std::array<std::string, 3> names;
     if (text.size() == 3 && text.find('=') == std::string::npos) {

@@ -37,7 +37,7 @@ Option<Config> position() {
             if (!c.base.position) return std::nullopt;
             const Eigen::Vector3d& r = c.base.position->r;
             if (!c.base.position_is_geodetic) return Value{ValueList{{r.x()}, {r.y()}, {r.z()}}};
-            constexpr double micro = 1e6;  // what the way to Earth-fixed axes and back leaves is rounding
+            constexpr double micro = 1e6;  // conversion to Earth-fixed axes and back leaves only rounding errors below this
             const Geodetic g = earth::geodetic_from_ecef(earth::wgs84, *c.base.position);
             return Value{
                 ValueList{{in_unit(g.lat, units::deg)}, {in_unit(g.lon, units::deg)}, {std::round(g.h * micro) / micro}}};

@@ -51,11 +51,11 @@ Config config_from(const SettingList& settings) {
     config_table().apply(settings, config);
     const auto given = [&](std::string_view key) { return std::ranges::find(settings, key, &Setting::key) != settings.end(); };
     if (!given("imu.estimate_noise")) {
-        // a grade alone is only a guess at the noise
+        // a grade alone is only an estimate of the noise
         config.filter.imu.estimate_noise = !given("imu.gyro_noise_deg_sqrt_h") && !given("imu.accel_noise_m_s_sqrt_h");
     }
     if (config.preset == "complex22") {
-        // Recommended values of the paper for a stand-alone receiver, lower ends of its ranges (after (3.2.2)).
+        // The paper's recommended values for a stand-alone receiver, lower ends of its ranges (after (3.2.2)).
         sensor::GnssErrorModel& g = config.filter.gnss.errors;
         if (!given("gnss.correlated_m")) g.correlated_position = {5.0, 5.0, 7.0};
         if (!given("gnss.correlated_velocity_m_s")) g.correlated_velocity.setConstant(0.02);
@@ -73,12 +73,12 @@ Config config_from(const SettingList& settings) {
     const bool wheeled = config.filter.vehicle == fusion::VehicleKind::Car;
     config.nonholonomic = config.nonholonomic.value_or(wheeled);
     config.filter.aids.nonholonomic = *config.nonholonomic;
-    // What a unit's scale and axes may err by makes errors that grow with every turn, and that no white noise stands for.
+    // Scale and misalignment errors of a unit cause errors that grow with every turn, not represented by white noise.
     const sensor::ImuErrorModel& imu = config.filter.imu.errors;
     constexpr double telling_scale = 2e-4, telling_misalignment = 1e-3;
     config.scale_factors = config.scale_factors.value_or(std::max(imu.gyro_scale, imu.accel_scale) >= telling_scale);
     config.filter.scale_factors = *config.scale_factors;
-    // turning on the road about one axis only, a cross-axis gyro looks like a tilt that grows with every bend
+    // on a road, with rotation about one axis only, a cross-axis gyro error resembles a tilt that grows with every bend
     config.misalignments = config.misalignments.value_or(wheeled || imu.gyro_misalignment >= telling_misalignment);
     config.filter.misalignments = *config.misalignments;
     return config;
@@ -87,7 +87,7 @@ Config config_from(const SettingList& settings) {
 SettingList overlaid(SettingList base, const SettingList& above) {
     const auto named = [&above](std::string_view key) { return std::ranges::find(above, key, &Setting::key) != above.end(); };
     if (named("imu.grade")) std::erase_if(base, [](const Setting& s) { return is_imu_number(s.key); });
-    if (named("filter.preset"))  // the states that it stands for
+    if (named("filter.preset"))  // the states it represents
         std::erase_if(base, [](const Setting& s) { return s.key == "filter.scale_factors" || s.key == "filter.misalignments"; });
     if (named("ranges.clock"))
         std::erase_if(base, [](const Setting& s) { return s.key == "ranges.clock_h0_s" || s.key == "ranges.clock_h_minus2_hz"; });
@@ -103,7 +103,7 @@ Setting setting_from_text(const std::string& text) {
     }
     std::string key = text.substr(0, equals);
     while (!key.empty() && key.back() == ' ') key.pop_back();
-    // through the same flattening as a file, so that unknown keys and whole sections fail in the same words
+    // uses the same flattening as for a file, so that unknown keys and whole sections give the same messages
     ValueTable root{{key, parse_toml_value(text.substr(equals + 1))}};
     SettingList list = config_table().read(root, "--set");
     if (list.empty()) throw input_error("is a section", {"--set", 0, 0, key}, "name one key of it");

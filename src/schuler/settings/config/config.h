@@ -1,4 +1,4 @@
-// Everything a user can set about processing one data set: what the files mean, the filter, what is written.
+// All user settings for processing one data set: meaning of the files, filter, output.
 #pragma once
 
 #include "schuler/dataset/description.h"
@@ -23,7 +23,7 @@ using dataset::TimeConfig;
 
 enum class Scheme { Gnss, Separate, Loose, Tight, Intermediate, Deep };
 
-/// An outage as a user gives it.
+/// An outage as given by the user.
 struct OutageSpan {
     double start = 0.0;     ///< s, see RunTime::absolute
     double duration = 0.0;  ///< s
@@ -39,14 +39,14 @@ struct RunTime {
 struct RunConfig {
     std::optional<RunTime> start, stop;
     std::vector<OutageSpan> outages;
-    std::optional<double> settle;  ///< s after which errors are counted; not given: alignment + 60 s
-    bool self_check = true;        ///< of `process`: withhold GNSS in windows and measure the sigmas
-    bool keep_given = false;       ///< given values are used even if the data refute them
+    std::optional<double> settle;  ///< s after which errors are evaluated; not given: alignment + 60 s
+    bool self_check = true;        ///< of `process`: withhold GNSS in windows and test the sigmas
+    bool keep_given = false;       ///< use given values even if refuted by the data
 };
 
 struct OutputConfig {
     std::vector<std::string> files{"solution", "summary", "h5", "report", "kml", "config"};
-    std::string events;  ///< file of instants at which the solution is output as well
+    std::string events;  ///< file of instants for additional output of the solution
 
     [[nodiscard]] bool wants(std::string_view file) const { return std::ranges::find(files, file) != files.end(); }
 };
@@ -58,7 +58,7 @@ struct Config : dataset::Description {
     double initial_time = not_given;  ///< s on the data set's own axis
     std::string preset = "ins15";
     Scheme scheme = Scheme::Loose;
-    std::optional<bool> scale_factors, misalignments;  ///< not given: on where the unit has them, misalignments for a car too
+    std::optional<bool> scale_factors, misalignments;  ///< not given: on if the unit has them, misalignments for a car too
     std::optional<bool> nonholonomic;                  ///< not given: on for a car
     fusion::Settings filter;
     GravityConfig gravity;
@@ -69,15 +69,15 @@ struct Config : dataset::Description {
     Config();
 };
 
-/// As in settings and summaries.
+/// As used in settings and summaries.
 [[nodiscard]] std::string_view scheme_name(Scheme scheme);
 [[nodiscard]] std::string_view loop_name(fusion::Loop loop);
 
 /// The table of options of dataset.toml, --config and --set.
 [[nodiscard]] const OptionTable<Config>& config_table();
 
-/// The settings applied to the defaults, with what follows from them (constraints of the vehicle kind).
-/// @throws Error(Input) naming the setting's place.
+/// The settings applied to the defaults, with derived settings (constraints of the vehicle kind).
+/// @throws Error(Input) with the place of the setting.
 [[nodiscard]] Config config_from(const SettingList& settings);
 
 /// Layers of settings, the later ones over the earlier ones: the settings implied by a later imu.grade or ranges.clock are also discarded
@@ -91,11 +91,11 @@ struct Config : dataset::Description {
 [[nodiscard]] std::vector<OutageSpan> outages_from_text(const std::string& text);
 /// Entries of [[outage]]. @throws Error(Input) without a place.
 [[nodiscard]] std::vector<OutageSpan> outages_from_tables(const ValueList& tables);
-/// "T" or "abs:T". @throws Error(Input); `option` names it in the message.
+/// "T" or "abs:T". @throws Error(Input) with the name `option` in the message.
 [[nodiscard]] RunTime run_time_from_text(const std::string& text, const std::string& option);
 
-/// C_bs of sensor axes: "frd", "flu", "fur", ... (x, y, z of the sensor point forward/back, left/right, up/down) or
-/// "x=forward, y=left, z=up". @throws Error(Input) for axes that are missing, doubled or left-handed.
+/// C_bs of sensor axes: "frd", "flu", "fur", ... (x, y, z of the sensor pointing forward/back, left/right, up/down) or
+/// "x=forward, y=left, z=up". @throws Error(Input) for missing, repeated or left-handed axes.
 [[nodiscard]] Eigen::Matrix3d axes_from_text(const std::string& text);
 
 }  // namespace schuler::settings

@@ -1,4 +1,4 @@
-// How receiver and inertial unit are coupled, and how the receiver is controlled.
+// Coupling of receiver and inertial unit, and monitoring of the receiver.
 #include "schuler/settings/config/config.h"
 #include "schuler/settings/config/sections.h"
 #include "schuler/settings/option_builders.h"

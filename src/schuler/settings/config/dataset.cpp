@@ -36,7 +36,7 @@ Option<Config> earth_model() {
             }};
 }
 
-/// The week that GPS dates would have if a date is impossible is caught here rather than when the data are read.
+/// An impossible date is detected here, by its GPS week, rather than when the data are read.
 void check_date(const std::string& text) {
     int y = 0, m = 0, d = 0, used = 0;
     const bool form =
@@ -59,7 +59,7 @@ void add_file(OptionTable<Config>& table, const std::string& section, const std:
                             [=](auto& c) -> auto& { return source(c).time_offset; }));
 }
 
-/// A log whose columns have the names of the interface.
+/// A log whose columns are named as in the interface.
 template <class Access>
 void add_plain_file(OptionTable<Config>& table, const std::string& section, const std::string& what, Access source) {
     table

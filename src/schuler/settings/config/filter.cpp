@@ -116,7 +116,7 @@ constexpr CouplingPreset coupling_presets[] = {
     {"tight", Scheme::Tight}, {"intermediate", Scheme::Intermediate},
     {"deep", Scheme::Deep}};
 
-/// A name that stands for several settings; those given by themselves win because they come later in the table.
+/// A name for a group of settings; individually given ones take precedence because they come later in the table.
 Option<Config> preset_option() {
     OptionSpec spec = detail::spec(
         "filter.preset", Shape::Text,

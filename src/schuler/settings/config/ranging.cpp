@@ -1,4 +1,4 @@
-// Errors of ranges assumed by the filter, and which ranges it uses.
+// Errors of ranges assumed by the filter, and selection of the ranges used.
 #include "schuler/settings/config/config.h"
 #include "schuler/settings/config/sections.h"
 #include "schuler/settings/range_error_options.h"

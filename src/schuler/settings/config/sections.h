@@ -22,7 +22,7 @@ void add_aid_options(OptionTable<Config>& table);       ///< gauges, log, compas
 void add_ranging_options(OptionTable<Config>& table);   ///< ranges
 void add_run_options(OptionTable<Config>& table);       ///< run, outage, output
 
-/// When the option of this key has an effect, in words: "filter.scheme = \"separate\""; empty: always.
+/// The condition for an option of this key to have an effect: "filter.scheme = \"separate\""; empty: always.
 [[nodiscard]] std::string condition_of(std::string_view key);
 /// One file or a list of them; none means "not given".
 template <class Access>
@@ -51,7 +51,7 @@ Option<Config> file_list(const std::string& key, const std::string& help, Access
         });
 }
 
-/// Runs work; an error that knows only its key gets the place of the setting it is about.
+/// Runs work; an error with only a key receives the place of the corresponding setting.
 template <class Work>
 void with_places(const SettingList& settings, Work work) {
     try {
@@ -68,7 +68,7 @@ void with_places(const SettingList& settings, Work work) {
     }
 }
 
-/// A polynomial of the disturbance needs the sigmas of its coefficients. @throws Error(Input), gravity.model.
+/// A polynomial of the disturbance requires the sigmas of its coefficients. @throws Error(Input), gravity.model.
 void check_gravity(const GravityConfig& gravity);
 
 }  // namespace schuler::settings

@@ -3,7 +3,7 @@
 namespace schuler::settings {
 namespace {
 
-// The same text as examples/demo.toml (a test compares them): the program runs it without its sources.
+// The same text as examples/demo.toml (compared by a test): the program runs it without its sources.
 constexpr std::string_view demonstration =
     R"toml(# A town drive with a tactical-grade IMU, an RTK receiver, a barometer and two outages: what `schuler demo` runs.
 #   schuler run examples/demo.toml -o out/demo

@@ -1,4 +1,4 @@
-// "compare.*": which schemes, with how many satellites, and the windows in which they are compared.
+// "compare.*": schemes, numbers of satellites, and the comparison windows.
 #include "schuler/settings/scenario/comparison.h"
 
 #include "schuler/core/error.h"
@@ -94,7 +94,7 @@ Option<S> satellites_option() {
             nothing};
 }
 
-/// One [[compare.window]] with its place: its number in the list, or an entry of it.
+/// One [[compare.window]] with its place: its index in the list, or an entry of it.
 class WindowTable {
 public:
     WindowTable(const Value& item, std::size_t index) : table_(*item.table()), line_(item.line), index_(index) {
@@ -103,7 +103,7 @@ public:
                 throw bad(fmt::format("a window has no \"{}\"", name), name);
     }
 
-    /// @throws Error(Input) at the entry, or at the window where the entry is empty.
+    /// @throws Error(Input) at the entry, or at the window if the entry is empty.
     [[nodiscard]] Error bad(const std::string& what, const std::string& entry = "", const std::string& hint = "") const {
         const Value* v = find(entry);
         const SourcePlace place{{},
@@ -122,7 +122,7 @@ public:
         return v.number();
     }
 
-    /// It is a field of CSV files.
+    /// Used as a field in CSV files.
     [[nodiscard]] std::string name() const {
         const Value& v = required("name");
         const auto unfit = [](char c) { return c == ',' || c == '"' || static_cast<unsigned char>(c) < 0x20; };
@@ -164,7 +164,7 @@ void add_window(S& s, const WindowTable& table) {
     s.windows.push_back(w);
 }
 
-/// After the options it is checked against: duration_s, reference_rate_hz, compare.schemes, compare.solution_age_s.
+/// Must follow the options it is checked against: duration_s, reference_rate_hz, compare.schemes, compare.solution_age_s.
 Option<S> windows_option() {
     return {detail::spec("compare.window", Shape::Tables,
                          "a window in which they are compared: [[compare.window]] with name, start_s, end_s"),

@@ -1,4 +1,4 @@
-// What a scenario compares: schemes, and windows in which they are judged.
+// The comparison of a scenario: schemes, and evaluation windows.
 #pragma once
 
 #include "schuler/settings/value.h"
@@ -8,27 +8,27 @@
 
 namespace schuler::settings {
 
-/// [[compare.window]], both ends belong to it.
+/// [[compare.window]], inclusive of both ends.
 struct CompareWindow {
     std::string name;
     double start = 0.0, end = 0.0;  ///< s from the start of the scenario
 };
 
-/// When a solution counts.
+/// Criteria for a valid solution.
 struct WindowRules {
     double limit = 20.0;  ///< m, of the horizontal error; below it a solution is good
-    double age = 1.5;     ///< s; an older solution is none
-    double hold = 5.0;    ///< s, so long it must be good to have recovered
+    double age = 1.5;     ///< s; an older solution is not used
+    double hold = 5.0;    ///< s, required duration of a good solution for recovery
 };
 
-/// A scheme by its name in compare.schemes: settings that make it.
+/// A scheme by its name in compare.schemes, with the settings that define it.
 struct KnownScheme {
     const char* name;
     const char* title;
     SettingList settings;
 };
 [[nodiscard]] const std::vector<KnownScheme>& known_schemes();
-/// One of them by its name.
+/// The scheme of a given name.
 [[nodiscard]] const KnownScheme& known_scheme(const std::string& name);
 
 }  // namespace schuler::settings

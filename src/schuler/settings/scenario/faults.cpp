@@ -1,4 +1,4 @@
-// [[fault]]: what goes wrong with a sensor of a scenario.
+// [[fault]]: faults of a sensor in a scenario.
 #include "schuler/core/units.h"
 #include "schuler/settings/option_builders.h"
 #include "schuler/settings/scenario/scenario.h"

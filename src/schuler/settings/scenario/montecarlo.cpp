@@ -1,4 +1,4 @@
-// "montecarlo.*": how many runs, and what differs between them.
+// "montecarlo.*": number of runs, and their variations.
 #include "schuler/settings/option_builders.h"
 #include "schuler/settings/scenario/scenario.h"
 #include "schuler/settings/scenario/sections.h"
@@ -13,7 +13,7 @@ namespace {
 
 using S = ScenarioConfig;
 
-constexpr std::size_t most_points = 100000;  ///< of a grid: each has statistics of its own
+constexpr std::size_t most_points = 100000;  ///< of a grid: each has separate statistics
 constexpr const char* forms =
     "write \"KEY\" = { uniform = [low, high] }, { normal = [mean, sigma] }, { list = [values] }, { sweep = [values] } or "
     "{ sweep = { from = 0, to = 10, steps = 11 } }";

@@ -1,4 +1,4 @@
-// Numbers that somebody has published for a scenario, to stand beside those of a run.
+// Published results for a scenario, for comparison with those of a run.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,7 +15,7 @@ inline constexpr std::size_t published_blocks = 5;
 using BlockRms = std::array<Eigen::Vector3d, published_blocks>;
 
 struct Published {
-    std::string source;  ///< empty: nothing is published
+    std::string source;  ///< empty: none published
     BlockRms rms = [] {
         BlockRms none;
         none.fill(Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()));

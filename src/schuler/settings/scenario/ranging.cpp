@@ -1,4 +1,4 @@
-// [ranges] of scenario files: which satellites and stations, what hides them, how their ranges err.
+// [ranges] of scenario files: satellites and stations, masks, and range errors.
 #include "schuler/core/units.h"
 #include "schuler/gnss/constellation.h"
 #include "schuler/io/raw_input.h"

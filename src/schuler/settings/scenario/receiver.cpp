@@ -1,4 +1,4 @@
-// [receiver] of scenario files: a receiver at correlator level, how strong its signals are and who jams them.
+// [receiver] of scenario files: a receiver at correlator level, signal strengths and jammers.
 #include "schuler/core/error.h"
 #include "schuler/core/units.h"
 #include "schuler/settings/list_options.h"
@@ -10,7 +10,7 @@ namespace {
 using S = ScenarioConfig;
 using units::deg;
 
-/// Milliseconds a coherent sum, the code period being one.
+/// Milliseconds per coherent sum, the code period being one.
 template <class Access>
 Option<S> integration(const char* key, std::string help, Access access) {
     Option<S> option = integer<S>(key, 1, 20, std::move(help), access);

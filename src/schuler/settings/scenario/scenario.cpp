@@ -21,7 +21,7 @@ using Table = OptionTable<ScenarioConfig>;
 using S = ScenarioConfig;
 using units::deg;
 
-/// An option of dataset.toml under the same key: it acts on `processing`.
+/// An option of dataset.toml under the same key: it applies to `processing`.
 Option<S> of_processing(const Option<Config>& option) {
     return {option.spec, [set = option.set](S& s, const Value& v) { set(s.processing, v); },
             [get = option.get](const S& s) { return get(s.processing); }};
@@ -49,7 +49,7 @@ Option<S> both(const std::string& key, double factor, double high, const std::st
                double sensor::ImuErrorModel::*accel) {
     Option<S> option = number<S>(key, factor, 0, high, help, [=](auto& s) -> auto& { return s.sim.imu.errors.*gyro; });
     option.set = [=](S& s, const Value& v) { s.sim.imu.errors.*gyro = s.sim.imu.errors.*accel = v.number() * factor; };
-    option.get = [](const S&) { return std::optional<Value>(); };  // told by the two numbers it sets
+    option.get = [](const S&) { return std::optional<Value>(); };  // given by the two numbers it sets
     return option;
 }
 
@@ -74,7 +74,7 @@ void add_imu(Table& table) {
                        [](auto& s) -> auto& { return s.sim.imu.warm_up_time; }));
 }
 
-/// The airliner's receiver of paper A: lower ends of the ranges recommended after (3.2.2), which names no sigma of its own for the
+/// The airliner's receiver of paper A: lower ends of the ranges recommended after (3.2.2), which gives no separate sigma for the
 /// white jump of the height.
 void set_duostar1000(sim::GnssSettings& g) {
     g.white_position = {1.0, 1.0, 1.5};
@@ -90,7 +90,7 @@ void set_duostar1000(sim::GnssSettings& g) {
     g.errors.change_correlated_velocity.setConstant(0.01);
 }
 
-/// Receivers by name: sigmas of (3.2.1) and (3.2.2) as used for a code-phase and a carrier-phase receiver.
+/// Receivers by name: sigmas of (3.2.1) and (3.2.2) used for a code-phase and a carrier-phase receiver.
 Option<S> receiver_option() {
     OptionSpec spec =
         detail::spec("gnss.receiver", Shape::Text,

@@ -1,4 +1,4 @@
-// Scenario files: what is simulated, and what the filter assumes about it.
+// Scenario files: the simulation, and the filter's assumptions about it.
 #pragma once
 
 #include "schuler/receiver/bank.h"
@@ -39,7 +39,7 @@ enum class TrajectoryType {
     Survey
 };
 
-/// Errors of the initial state given to the filter, one sigma; NaN: the filter starts by itself.
+/// Errors of the initial state given to the filter, one sigma; NaN: automatic start-up.
 struct InitialError {
     double level = not_given;    ///< rad
     double heading = not_given;  ///< rad
@@ -48,17 +48,17 @@ struct InitialError {
     [[nodiscard]] bool given() const { return level == level && heading == heading; }
 };
 
-/// A setting that differs from run to run of a Monte Carlo campaign.
+/// A setting that varies between the runs of a Monte Carlo campaign.
 struct Variation {
     enum class Kind { Uniform, Normal, List, Sweep };
     std::string key;
     Kind kind = Kind::Uniform;
     double first = 0.0, second = 0.0;  ///< from first to second, or mean and sigma; in the key's unit
-    bool whole = false;                ///< drawn numbers are rounded to whole ones
+    bool whole = false;                ///< drawn numbers are rounded to integers
     std::vector<Value> values;         ///< list: one of them at random; sweep: each in turn
 };
 
-/// Points of the grid of all sweeps; 1 where there is none.
+/// Number of grid points of all sweeps; 1 if there are none.
 [[nodiscard]] std::size_t grid_points(const std::vector<Variation>& vary);
 
 /// Raw ranges of a scenario.
@@ -66,35 +66,35 @@ struct RangingScenarioConfig {
     double rate = 0.0;          ///< Hz; 0: none
     std::string systems = "G";  ///< nominal constellations
     std::string navigation;     ///< a file of ephemerides instead
-    int week = 2300;            ///< GPS time of the start
+    int week = 2300;            ///< GPS week of the start
     double second = 0.0;
-    bool rinex = false;             ///< files of a receiver too
+    bool rinex = false;             ///< also write files of a receiver
     sim::RangingSettings settings;  ///< its rate, lever arm and navigation are filled in
 };
 
-/// A receiver at correlator level, whose ranges are what it tracks.
+/// A receiver at correlator level, whose ranges are those it tracks.
 struct ReceiverScenarioConfig {
     double rate = 0.0;  ///< Hz of its ranges; 0: no such receiver
     double cn0 = 45.0;  ///< dB-Hz
     std::vector<sim::StrengthPoint> profile;
     std::vector<sim::Jammer> jammers;
     receiver::BankSettings bank;  ///< guidance and oscillator are filled in
-    double clock_flicker = 0.0;   ///< h_-1 of the oscillator, beside ranges.clock
-    double clock_per_g = 0.0;     ///< its fractional frequency a g, on each axis
+    double clock_flicker = 0.0;   ///< h_-1 of the oscillator, in addition to ranges.clock
+    double clock_per_g = 0.0;     ///< its fractional frequency change per g, on each axis
 };
 
-/// The ground that a path keeps its height over; not given clearance: none.
+/// The ground for a path at constant height above it; clearance not given: none.
 struct SurveyGround {
     double clearance = not_given;  ///< m
     double climb = 0.05;           ///< steepest, rad
-    double smoothing = not_given;  ///< m; not given: ten seconds' way
+    double smoothing = not_given;  ///< m; not given: the distance travelled in ten seconds
     std::string file;              ///< grid of heights; empty: the hills below
     double height = 0.0;           ///< m, mean
     double amplitude = 0.0;        ///< m
     double wavelength = 10e3;      ///< m
 };
 
-/// Disturbance of gravity over the ground: a grid or a model; both empty: none.
+/// Gravity disturbance over the ground: a grid or a model; both empty: none.
 struct AnomalyFieldConfig {
     std::string file, model, folder;
 };
@@ -109,10 +109,10 @@ struct ScenarioConfig {
     sim::GreatCirclePath great_circle;
     sim::PaperAPath paper_a;
     Eigen::Vector3d periods{600.0, 600.0, 600.0};
-    sim::RoutePath route;          ///< waypoints; of a car the coefficients only
-    double heading = 0.0;          ///< rad, at the start
-    std::optional<double> speed;   ///< m/s; not given: as the trajectory has it
-    std::optional<double> ground;  ///< m; not given: as the trajectory suggests
+    sim::RoutePath route;          ///< waypoints; for a car only the coefficients
+    double heading = 0.0;          ///< rad, initial
+    std::optional<double> speed;   ///< m/s; not given: from the trajectory
+    std::optional<double> ground;  ///< m; not given: derived from the trajectory
     sim::FlightPhase phase;
     sim::FigureEightPath figure8;
     sim::ShipPath ship;
@@ -123,35 +123,35 @@ struct ScenarioConfig {
     sim::AidErrors aids;
     RangingScenarioConfig ranging;
     ReceiverScenarioConfig receiver_channels;
-    sim::RecordedPath recorded;    ///< how a recording is smoothed
+    sim::RecordedPath recorded;    ///< smoothing of a recording
     std::string file;              ///< of that recording
     std::filesystem::path folder;  ///< of the scenario file
     std::string grade = "perfect";
     std::string receiver;
     std::vector<OutageSpan> outages;             ///< of GNSS, relative to the start of the scenario
-    std::optional<fusion::VehicleKind> vehicle;  ///< not given: as the trajectory suggests
+    std::optional<fusion::VehicleKind> vehicle;  ///< not given: derived from the trajectory
     InitialError initial_error;
     std::optional<int> montecarlo_runs;
     std::vector<Variation> vary;
     Published published;
-    std::vector<std::string> compared;  ///< schemes that `run` compares on this scenario
+    std::vector<std::string> compared;  ///< schemes compared by `run` on this scenario
     std::vector<std::size_t>
-        compared_satellites;  ///< numbers of satellites to compare with, from the first limit of the ranges on; empty: as it is
+        compared_satellites;  ///< numbers of satellites to compare, applied from the first limit of the ranges; empty: unchanged
     std::vector<CompareWindow> windows;  ///< ... compared in these windows
     WindowRules window_rules;
-    std::set<std::string> given;  ///< keys of the settings it was made of
-    SettingList assumed;          ///< imu.* settings that the filter assumes instead of the simulated ones
+    std::set<std::string> given;  ///< keys of the settings it was created from
+    SettingList assumed;          ///< imu.* settings assumed by the filter instead of the simulated ones
     Config processing;            ///< its [filter] section
 };
 
 [[nodiscard]] const OptionTable<ScenarioConfig>& scenario_table();
 
-/// @throws Error(Input) naming the setting's place.
+/// @throws Error(Input) with the place of the setting.
 [[nodiscard]] ScenarioConfig scenario_from(const SettingList& settings);
 [[nodiscard]] SettingList scenario_settings(const std::filesystem::path& file, std::optional<std::uint64_t> seed);
 [[nodiscard]] ScenarioConfig read_scenario(const std::filesystem::path& file, std::optional<std::uint64_t> seed);
 
-/// Keys of what a scenario and the settings above it say to the filter, not to the simulator.
+/// Keys of a scenario and the settings above it that apply to the filter, not to the simulator.
 [[nodiscard]] std::set<std::string> keys_of_processing(const ScenarioConfig& scenario, const SettingList& above);
 
 /// Built-in scenarios by name ("demo", ...), TOML text as in examples/. Empty for an unknown name.

@@ -1,4 +1,4 @@
-// Sections of scenario files that have a file of their own.
+// Sections of scenario files with a separate source file.
 #pragma once
 
 #include "schuler/settings/scenario/scenario.h"
@@ -10,31 +10,31 @@ void add_trajectory_options(OptionTable<ScenarioConfig>& table);
 
 /// "trajectory.survey.*", "trajectory.drape.*" and "anomaly_field.*".
 void add_survey_options(OptionTable<ScenarioConfig>& table);
-/// Height over the ground; nothing where it is not set. speed: m/s. @throws Error(Input) where its file is unusable.
+/// Height over the ground; empty if not set. speed: m/s. @throws Error(Input) if its file is invalid.
 [[nodiscard]] std::optional<sim::Drape> drape_of(const ScenarioConfig& scenario, double speed);
-/// The disturbance of gravity over the ground; empty: none. The path of the scenario is there already.
-/// @throws Error(Input) where the grid is unusable or ends before the path, or the model is not installed.
+/// The gravity disturbance over the ground; empty: none. The path of the scenario must already be set.
+/// @throws Error(Input) if the grid is invalid or ends before the path, or the model is not installed.
 [[nodiscard]] sim::GroundField field_of(const ScenarioConfig& scenario);
 
 /// "gauges.*", "log.*" and "compass.*".
 void add_aid_scenario_options(OptionTable<ScenarioConfig>& table);
 
-/// The path that the settings mean. @throws Error(Input) with the key.
+/// The path defined by the settings. @throws Error(Input) with the key.
 [[nodiscard]] sim::PathSettings path_of(const ScenarioConfig& scenario);
-/// Lowest height (m) of such a path unless the scenario sets another.
+/// Lowest height (m) of such a path if not set by the scenario.
 [[nodiscard]] double ground_of(const ScenarioConfig& scenario);
 [[nodiscard]] fusion::VehicleKind vehicle_of(TrajectoryType type);
 
-/// "compare.*": what `run` compares.
+/// "compare.*": the comparison made by `run`.
 void add_compare_options(OptionTable<ScenarioConfig>& table);
 
-/// "montecarlo.*": runs and what varies.
+/// "montecarlo.*": runs and variations.
 void add_montecarlo_options(OptionTable<ScenarioConfig>& table);
 
 /// "ranges.*".
 void add_ranging_scenario_options(OptionTable<ScenarioConfig>& table);
 
-/// What raw ranges and a simulated receiver share: the frame, and satellites, masks and errors with their ephemerides.
+/// Common part of raw ranges and a simulated receiver: the frame, and satellites, masks and errors with their ephemerides.
 [[nodiscard]] sim::RangingScenario ranging_frame(const ScenarioConfig& scenario);
 [[nodiscard]] sim::RangingSettings ranging_settings(const ScenarioConfig& scenario);
 
@@ -42,10 +42,10 @@ void add_ranging_scenario_options(OptionTable<ScenarioConfig>& table);
 void add_receiver_scenario_options(OptionTable<ScenarioConfig>& table);
 /// Its signals, with those ranging settings.
 [[nodiscard]] sim::SignalSettings signal_settings(const ScenarioConfig& scenario, const sim::RangingSettings& ranging);
-/// @throws Error(Input) with the key of what such a receiver cannot have.
+/// @throws Error(Input) with the key of a setting not available for such a receiver.
 void check_receiver(const ScenarioConfig& scenario);
 
-/// "fault": what goes wrong with a sensor.
+/// "fault": sensor faults.
 [[nodiscard]] Option<ScenarioConfig> fault_option();
 
 }  // namespace schuler::settings

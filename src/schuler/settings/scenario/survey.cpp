@@ -1,4 +1,4 @@
-// Surveys of scenario files: the pattern of lines, what is draped over the ground, and the field of gravity under it.
+// Surveys of scenario files: the pattern of lines, terrain following, and the gravity field under the path.
 #include "schuler/core/units.h"
 #include "schuler/earth/enu.h"
 #include "schuler/earth/gravity_field.h"
@@ -72,7 +72,7 @@ std::optional<sim::Drape> drape_of(const S& s, double speed) {
         drape.ground = [grid](double lat, double lon) { return grid->at(lat, lon).x(); };
         return drape;
     }
-    // Metres on the sphere are near enough for hills that are nobody's.
+    // Metres on the sphere are sufficiently accurate for synthetic hills.
     const double per_rad = 2.0 * std::numbers::pi / g.wavelength * s.sim.earth.ellipsoid.a;
     drape.ground = [g, per_rad, start = s.start](double lat, double lon) {
         return g.height +

@@ -1,4 +1,4 @@
-// The trajectories of scenario files: their keys, and the paths they mean.
+// The trajectories of scenario files: their keys, and the corresponding paths.
 #include "schuler/core/units.h"
 #include "schuler/dataset/trajectory_file.h"
 #include "schuler/settings/option_builders.h"
@@ -253,7 +253,7 @@ void add_trajectory_options(Table& table) {
 
 namespace {
 
-/// A path with the start, heading and speed of the scenario, as far as it has them; standstill and duration where it needs them.
+/// A path with the start, heading and speed of the scenario, as far as applicable; standstill and duration if required.
 template <class Path>
 Path led(Path path, const ScenarioConfig& s) {
     path.start = s.start;
@@ -336,7 +336,7 @@ sim::PathSettings path_of(const ScenarioConfig& s) {
         case TrajectoryType::Survey: return survey_of(s);
         case TrajectoryType::Car: break;
     }
-    // the drive is as long as the scenario; what the user set about it stays
+    // the drive is as long as the scenario; values set by the user are kept
     sim::RoutePath path = sim::town_route(s.start, s.sim.duration, s.sim.seed);
     const std::vector<sim::Waypoint> waypoints = path.waypoints;
     path = s.route;
@@ -346,7 +346,7 @@ sim::PathSettings path_of(const ScenarioConfig& s) {
 }
 
 double ground_of(const ScenarioConfig& s) {
-    constexpr double lowest = -500.0;  // below every shore
+    constexpr double lowest = -500.0;  // below any shore
     switch (s.type) {
         case TrajectoryType::Takeoff: return s.start.h;
         case TrajectoryType::GreatCircle:

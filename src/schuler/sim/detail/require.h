@@ -1,4 +1,4 @@
-// How the simulator refuses its settings.
+// Rejection of invalid simulator settings.
 #pragma once
 
 #include "schuler/core/error.h"
@@ -8,7 +8,7 @@
 
 namespace schuler::sim::detail {
 
-/// Throws Error(Input) naming the key of the scenario file, what is wrong with its value and a hint how to correct it.
+/// Throws Error(Input) with the key of the scenario file, the error of its value and a hint for its correction.
 inline void require(bool ok, std::string key, const char* what, const char* hint) {
     if (!ok) throw input_error(what, {.file = {}, .line = 0, .column = 0, .key = std::move(key)}, hint);
 }

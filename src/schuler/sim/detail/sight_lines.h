@@ -1,4 +1,4 @@
-// From the antenna on its path to every transmitter: what the simulated ranges and the simulated signals share.
+// Lines of sight from the moving antenna to every transmitter: shared by the simulated ranges and the simulated signals.
 #pragma once
 
 #include "schuler/gnss/atmosphere.h"
@@ -19,35 +19,35 @@ struct Transmitter {
     Geodetic station_place;
 };
 
-/// A geometric range with the transmitter that belongs to it.
+/// A geometric range with its transmitter.
 struct SightLine {
-    double range = 0;  ///< m, light time included, delays of the atmosphere too
+    double range = 0;  ///< m, including light time and atmospheric delays
     gnss::SatelliteState transmitter;
     gnss::Direction direction;
 };
 
-/// Refers to its arguments. Times are seconds of the scenario.
+/// Holds references to its arguments. Times are seconds of the scenario.
 class SightLines {
 public:
-    /// Throws Error(Input) naming the setting of the antenna or of the errors that is unusable.
+    /// Throws Error(Input) that names the invalid antenna or error setting.
     SightLines(const RangingScenario& scenario, const TruthPath& path, const RangingSettings& settings);
 
     /// Satellites of the navigation data, then stations.
     [[nodiscard]] const std::vector<Transmitter>& transmitters() const { return transmitters_; }
-    /// To the antenna at `t`, light time iterated; nothing where there is no such satellite.
+    /// To the antenna at `t`, light time iterated; empty if there is no such satellite.
     [[nodiscard]] std::optional<SightLine> to(const Transmitter& transmitter, double t) const;
-    /// By Masks::throughout.
+    /// According to Masks::throughout.
     [[nodiscard]] bool allowed(const Transmitter& transmitter) const;
     /// Stations have no masks.
     [[nodiscard]] bool above_masks(const Transmitter& transmitter, const SightLine& line, double t) const;
-    /// Blocked, or one too many.
+    /// Blocked, or beyond the limit of satellites.
     [[nodiscard]] bool silent(const Transmitter& transmitter, double t) const;
 
 private:
     struct Antenna {
         Ecef position;
         Geodetic place;
-        Eigen::Vector3d up_e;  ///< out of the antenna's plane
+        Eigen::Vector3d up_e;  ///< normal of the antenna's plane
     };
     [[nodiscard]] Antenna antenna(double t) const;
     [[nodiscard]] Time gps(double t) const { return s_.gps + Duration::from_seconds(t); }

@@ -1,4 +1,4 @@
-// One flight through several schemes (paper A, table 1.1.1, as numbers).
+// One flight processed by several schemes (paper A, table 1.1.1, as numbers).
 #include "schuler/study/comparison/compare.h"
 
 #include "schuler/core/error.h"
@@ -21,10 +21,10 @@
 namespace schuler::study {
 namespace {
 
-/// Points that a curve keeps from its run to the page.
+/// Number of points of a curve kept from its run for the page.
 constexpr std::size_t drawn_points = 6000;
 
-/// The scenario as it was read, the last word on each key, and what stands above the settings of its data set.
+/// The scenario as read with the last value of each key, and the settings that override its data set.
 std::string settings_text(const settings::SettingList& settings, const settings::SettingList& over) {
     settings::SettingList used;
     for (const settings::Setting& s : settings) {
@@ -86,7 +86,7 @@ report::Outcome compare_schemes(const settings::ProcessRequest& request) {
                  .settings = settings_text(settings, request.over({}))};
     double done = 0.0;
     bool report_wanted = false;
-    std::optional<std::vector<solution::Ignored>> ignored;  // by every scheme
+    std::optional<std::vector<solution::Ignored>> ignored;  // common to all schemes
     std::set<std::string> asked;
     for (const settings::Setting& s : request.over({})) asked.insert(s.key);
     std::vector<std::optional<std::size_t>> counts(scenario.compared_satellites.begin(), scenario.compared_satellites.end());
@@ -130,7 +130,7 @@ report::Outcome compare_schemes(const settings::ProcessRequest& request) {
     std::vector<std::pair<const char*, std::string>> files{{"comparison.csv", comparison_csv(c)}};
     if (!c.windows.empty()) files.emplace_back("windows.csv", windows_csv(c));
     if (report_wanted) files.emplace_back("report.html", report::render(comparison_report(c)));
-    files.emplace_back("summary.json", out.json);  // last: who waits for it finds all
+    files.emplace_back("summary.json", out.json);  // last: when it exists, all other files exist
     for (const auto& [name, text] : files) report::write_text(out.files.emplace_back(out.folder / name), text);
     return out;
 }

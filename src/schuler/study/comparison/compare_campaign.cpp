@@ -18,9 +18,9 @@
 namespace schuler::study {
 namespace {
 
-constexpr std::size_t kept_of_a_run = 500;  ///< of the NEES of each run
+constexpr std::size_t kept_of_a_run = 500;  ///< number of NEES values kept of each run
 
-/// What is kept of one run of one scheme.
+/// Data kept from one run of one scheme.
 struct Kept {
     ComparedRun run;
     std::vector<std::array<double, 3>> nees;  ///< position, velocity, attitude, settled
@@ -47,7 +47,7 @@ Kept kept_of(const settings::ScenarioConfig& flight, const settings::SettingList
     return out;
 }
 
-/// A row a run; runs that end early leave NaN.
+/// One row per run; runs that end early leave NaN.
 analysis::EnsembleConsistency nees_of(std::span<const Kept> runs, std::size_t block) {
     std::size_t epochs = 0;
     for (const Kept& k : runs) epochs = std::max(epochs, k.nees.size());
@@ -130,7 +130,7 @@ report::Outcome montecarlo_of_schemes(const settings::ProcessRequest& request, s
     };
     write("runs.csv", campaign_runs_csv(c));
     if (c.report_wanted) write("report.html", report::render(campaign_report(c)));
-    write("summary.json", out.json);  // last: who waits for it finds all
+    write("summary.json", out.json);  // last: when it exists, all other files exist
     for (const SchemeCampaign& s : c.schemes)
         for (const std::string& failure : s.failures) out.warnings.push_back(fmt::format("{}, {}", s.scheme->name, failure));
     return out;

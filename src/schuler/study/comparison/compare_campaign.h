@@ -1,4 +1,4 @@
-// Many seeds of one flight through several schemes.
+// Many seeds of one flight processed by several schemes.
 #pragma once
 
 #include "schuler/analysis/ensemble.h"
@@ -20,24 +20,24 @@
 
 namespace schuler::study {
 
-/// Squares of the errors of one run, or of many, in equal spans of the scenario, beside the variances that the solution stated.
+/// Squared errors of one run, or of many, in equal intervals of the scenario, with the variances stated by the solution.
 struct SquaredCourse {
     static constexpr std::size_t spans = 300, quantities = 4;  ///< horizontal and height, m; velocity, m/s; heading, rad
     std::array<std::array<double, spans>, quantities> square{}, variance{};
     std::array<std::array<double, spans>, quantities> count{};
 
-    /// Error rows of one run, whose times count from `origin`, over a scenario of `duration` s. Rows that state no sigma do not count.
+    /// Error rows of one run, with times relative to `origin`, in a scenario of `duration` s. Rows without a sigma are not used.
     void add(const std::vector<analysis::ErrorRow>& rows, Time origin, double duration);
     void add(const SquaredCourse& other);
 };
 
-/// One scheme over all seeds.
+/// Results of one scheme for all seeds.
 struct SchemeCampaign {
     const settings::KnownScheme* scheme = nullptr;
     std::optional<std::size_t> satellites;               ///< compare.satellites
     std::vector<std::vector<double>> numbers;            ///< of each run, as compared_numbers(); empty: it failed
     std::vector<std::vector<WindowStatistics>> windows;  ///< of each run
-    std::array<analysis::EnsembleConsistency, 3> nees;   ///< position, velocity, attitude; NaN where the scheme has no covariance
+    std::array<analysis::EnsembleConsistency, 3> nees;   ///< position, velocity, attitude; NaN if the scheme has no covariance
     SquaredCourse course;                                ///< of all runs together
     std::vector<std::string> failures;                   ///< of the runs that failed, with their seed
 };
@@ -47,32 +47,32 @@ struct CompareCampaign {
     std::vector<std::uint64_t> seeds;
     std::vector<settings::CompareWindow> windows;
     settings::WindowRules rules;
-    std::vector<SchemeCampaign> schemes;        ///< those of one number of satellites stand together
+    std::vector<SchemeCampaign> schemes;        ///< those with equal number of satellites are contiguous
     std::vector<settings::OutageSpan> outages;  ///< of GNSS
     double duration = 0.0;                      ///< s, of the scenario
     std::string settings;                       ///< TOML
-    bool report_wanted = true;                  ///< output.files has "report"
+    bool report_wanted = true;                  ///< output.files contains "report"
     double wall_s = 0.0;
 
     [[nodiscard]] bool with_satellites() const { return schemes.front().satellites.has_value(); }
 };
 
-/// Runs every scheme that the scenario compares with seeds of the scenario, of the scenario plus one, and so on: all schemes fly the same
-/// flights. What varies (montecarlo.vary) is drawn for each seed. The result does not depend on `jobs`. @throws Error: the first run of the
-/// first scheme cannot be made.
+/// Runs every scheme compared in the scenario with the seed of the scenario, that seed plus one, and so on: all schemes use the
+/// same flights. Variations (montecarlo.vary) are drawn for each seed. The result does not depend on `jobs`. @throws Error: the
+/// first run of the first scheme fails.
 [[nodiscard]] CompareCampaign compare_campaign(const settings::ProcessRequest& request, std::size_t runs, int jobs);
 
-/// Root mean squares over the seeds and NEES with the bounds of as many independent runs; one table more a window.
+/// Root mean squares over the seeds and NEES with the bounds for that number of independent runs; one more table per window.
 [[nodiscard]] std::string campaign_tables(const CompareCampaign& campaign);
-/// Of those the table of NEES.
+/// The table of NEES among these.
 [[nodiscard]] report::ResultTable nees_table(const CompareCampaign& campaign);
 [[nodiscard]] std::string campaign_json(const CompareCampaign& campaign);
-/// report.html: the tables, and for each scheme the root mean square of the errors over the seeds beside the sigma it stated, over time.
+/// report.html: the tables, and for each scheme the root mean square of the errors over the seeds with its stated sigma, over time.
 [[nodiscard]] report::ReportInput campaign_report(const CompareCampaign& campaign);
-/// A row a scheme and run.
+/// One row per scheme and run.
 [[nodiscard]] std::string campaign_runs_csv(const CompareCampaign& campaign);
 
-/// The same through every scheme that the scenario compares, what run_montecarlo does where there are such.
+/// The Monte Carlo run for every scheme compared in the scenario, as performed by run_montecarlo if there are such.
 [[nodiscard]] report::Outcome montecarlo_of_schemes(const settings::ProcessRequest& request, std::size_t runs, int jobs);
 
 }  // namespace schuler::study

@@ -16,9 +16,9 @@ namespace schuler::study {
 namespace {
 
 constexpr std::array<const char*, 3> nees_keys{"nees_position", "nees_velocity", "nees_attitude"};
-constexpr std::string_view single_nees = "nees_position";  ///< of compared_columns: the ensemble's stands instead
+constexpr std::string_view single_nees = "nees_position";  ///< of compared_columns: replaced by that of the ensemble
 
-/// Root mean square of a number over the runs that have it.
+/// Root mean square of a number over the runs with a value.
 double rms_of(const std::vector<std::vector<double>>& runs, std::size_t i) {
     double sum = 0.0, n = 0.0;
     for (const std::vector<double>& numbers : runs) {
@@ -29,7 +29,7 @@ double rms_of(const std::vector<std::vector<double>>& runs, std::size_t i) {
     return n > 0.0 ? std::sqrt(sum / n) : not_given;
 }
 
-/// Of a window over the runs: RMS of the RMS, largest of the largest, mean share, median recovery, and of a receiver.
+/// For a window over the runs: RMS of the RMS, largest of the largest, mean share, median recovery, and receiver values.
 std::vector<double> window_of(const SchemeCampaign& s, std::size_t window) {
     std::vector<std::vector<double>> columns;
     for (const std::vector<WindowStatistics>& run : s.windows) {
@@ -51,7 +51,7 @@ std::vector<double> window_of(const SchemeCampaign& s, std::size_t window) {
     return out;
 }
 
-/// Columns that are repeated for the same seed, with their place among the numbers.
+/// Columns repeatable for the same seed, with their index among the numbers.
 std::vector<std::pair<std::size_t, report::TableColumn>> counted_columns() {
     std::vector<std::pair<std::size_t, report::TableColumn>> out;
     const std::vector<report::TableColumn> all = repeated_columns();
@@ -62,7 +62,7 @@ std::vector<std::pair<std::size_t, report::TableColumn>> counted_columns() {
 
 }  // namespace
 
-/// Consistency over the runs, for people.
+/// Consistency over the runs, for display.
 report::ResultTable nees_table(const CompareCampaign& c) {
     report::ResultTable table = table_of_schemes("NEES, 3 expected, with the 95 % bounds of as many runs", c.with_satellites(),
                                                  {{"", "position"}, {"", "velocity"}, {"", "attitude"}, {"", "runs failed"}});

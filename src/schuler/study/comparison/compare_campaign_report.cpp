@@ -1,4 +1,4 @@
-// Schemes over seeds as a page: what each errs by over time, and what it says it errs by.
+// Schemes over seeds as a page: the errors of each over time, and its stated sigmas.
 #include "schuler/core/units.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/settings/scenario/comparison.h"
@@ -13,7 +13,7 @@
 namespace schuler::study {
 namespace {
 
-/// A quantity of the schemes with so many satellites: RMS as a line, sigma dashed in the same ink.
+/// A quantity for the schemes with this number of satellites: RMS as a line, sigma dashed in the same colour.
 report::Panel panel_of(const CompareCampaign& c, std::optional<std::size_t> satellites, std::size_t quantity, const char* title,
                        const char* unit, double scale) {
     constexpr std::array inks{report::Ink::Blue,   report::Ink::Vermillion, report::Ink::Green, report::Ink::Purple,

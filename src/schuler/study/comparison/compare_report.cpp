@@ -20,12 +20,12 @@ std::vector<report::Span> marks_of(const Comparison& c) {
     std::vector<report::Span> out;
     for (const settings::CompareWindow& w : c.windows) out.push_back({w.start, w.end, w.name, false});
     for (const settings::OutageSpan& o : c.outages) out.push_back({o.start, o.start + o.duration, "outage", true});
-    std::ranges::stable_sort(out, {}, &report::Span::start);  // labels take their room in this order, windows first
+    std::ranges::stable_sort(out, {}, &report::Span::start);  // labels are placed in this order, windows first
     return out;
 }
 
-/// Limits of a logarithmic axis for error norms. A vertical error passes through zero, where its logarithm has no bottom: the
-/// axis begins at the decade that leaves out a hundredth of the values at the most.
+/// Limits of a logarithmic axis for error norms. A vertical error passes through zero, where its logarithm is unbounded: the axis
+/// starts at the decade that excludes at most a hundredth of the values.
 std::optional<std::pair<double, double>> decades(const std::vector<report::Series>& series) {
     std::vector<double> values;
     for (const report::Series& s : series)
@@ -37,7 +37,7 @@ std::optional<std::pair<double, double>> decades(const std::vector<report::Serie
     return std::pair{std::pow(10.0, std::floor(std::log10(low))), 1.5 * values.back()};
 }
 
-/// The error of all schemes over time, of the runs with so many satellites.
+/// The errors of all schemes over time, for the runs with this number of satellites.
 Panel error_panel(const Comparison& c, std::optional<std::size_t> satellites, const char* title,
                   std::vector<double> ErrorCourse::*error) {
     constexpr std::array inks{report::Ink::Blue,   report::Ink::Vermillion, report::Ink::Green, report::Ink::Purple,

@@ -1,4 +1,4 @@
-// What a receiver at correlator level followed on a compared flight.
+// Signals tracked by a receiver at correlator level on a compared flight.
 #include "schuler/study/comparison/compare.h"
 
 #include "schuler/scenario/simulated_dataset.h"
@@ -36,7 +36,7 @@ std::vector<report::Panel> signal_panels(const Comparison& c, Time origin) {
     std::vector<const ComparedRun*> drawn;
     for (const ComparedRun& run : c.runs) {
         if (run.receiver.empty() || run.satellites != c.runs.front().satellites) continue;
-        // A receiver that gets no help is the same for several schemes: one line for all of them.
+        // An unaided receiver is identical for several schemes: one line for all of them.
         const auto same = std::ranges::find_if(drawn, [&run](const ComparedRun* other) {
             return std::ranges::equal(other->receiver, run.receiver, {}, &scenario::ReceiverRow::code,
                                       &scenario::ReceiverRow::code);

@@ -13,7 +13,7 @@ namespace {
 double recovery_of(const settings::CompareWindow& w, const settings::WindowRules& rules, const ErrorCourse& e) {
     const auto after = std::ranges::upper_bound(e.t, w.end + same_instant);
     std::size_t i = static_cast<std::size_t>(after - e.t.begin());
-    if (i > 0) --i;  // the epoch whose error may hold at the end
+    if (i > 0) --i;  // the epoch whose error may be valid at the end
     double good_since = std::numeric_limits<double>::quiet_NaN();
     for (; i < e.t.size(); ++i) {
         const bool broken = i > 0 && e.t[i] - e.t[i - 1] > rules.age + same_instant;

@@ -1,4 +1,4 @@
-// Windows of a comparison: what the errors of a scheme are inside them, and how long after them it takes to be good again.
+// Windows of a comparison: the errors of a scheme inside them, and the time of recovery after them.
 #pragma once
 
 #include "schuler/settings/scenario/comparison.h"
@@ -11,34 +11,34 @@
 
 namespace schuler::study {
 
-/// s, far below any period: equal times may differ by sums and roundings.
+/// s, far below any period: equal times may differ by accumulation and rounding.
 constexpr double same_instant = 1e-6;
 
-/// Errors of a solution at the epochs it is compared at, in ascending order of time.
+/// Errors of a solution at its epochs of comparison, in ascending order of time.
 struct ErrorCourse {
     std::vector<double> t;           ///< s from the start of the scenario
     std::vector<double> horizontal;  ///< m
     std::vector<double> vertical;    ///< m, absolute value
 };
 
-/// NaN: nothing to count.
+/// NaN: no values.
 struct WindowStatistics {
-    double horizontal_rms = std::numeric_limits<double>::quiet_NaN();  ///< m; where there is no solution there is no error
+    double horizontal_rms = std::numeric_limits<double>::quiet_NaN();  ///< m; without a solution there is no error
     double horizontal_max = std::numeric_limits<double>::quiet_NaN();  ///< m
     double vertical_max = std::numeric_limits<double>::quiet_NaN();    ///< m
-    double share = std::numeric_limits<double>::quiet_NaN();           ///< of the instants inside with a solution not too old
+    double share = std::numeric_limits<double>::quiet_NaN();           ///< of the instants inside with a recent solution
     double recovery = std::numeric_limits<double>::quiet_NaN();        ///< s, see window_statistics
-    // Of a receiver at correlator level, see add_signal_statistics.
+    // For a receiver at correlator level, see add_signal_statistics.
     double held = std::numeric_limits<double>::quiet_NaN();  ///< dB-Hz
     double back = std::numeric_limits<double>::quiet_NaN();  ///< s
 };
 
 /// Errors inside a window; `solution` and `reference` are the times of both, ascending, s from the start of the scenario: the
-/// reference's are the instants that the share counts.
+/// reference times are the instants counted by the share.
 ///
-/// An error holds from its epoch to the next one, for `age` at the most. Recovery is the least r >= 0 such that from r after the
-/// window's end the error holds and is below the limit for `hold` without a break: 0 where it was good at the end and stayed so,
-/// NaN where the errors end before that is decided.
+/// An error is valid from its epoch to the next one, for at most `age`. Recovery is the least r >= 0 such that from r after the
+/// window's end the error is valid and below the limit for `hold` without interruption: 0 if it was good at the end and stayed
+/// so, NaN if the errors end before that is decided.
 [[nodiscard]] WindowStatistics window_statistics(const settings::CompareWindow& window, const settings::WindowRules& rules,
                                                  const ErrorCourse& errors, std::span<const double> solution,
                                                  std::span<const double> reference);

@@ -22,7 +22,7 @@ using settings::SettingList;
 
 double horizontal(const Variances& v) { return std::sqrt(v(0) + v(1)); }
 
-/// Root mean squares over the settled rows, and at the end of the first outage, of what `of` takes from a row.
+/// Root mean squares over the settled rows, and at the end of the first outage, of the quantity that `of` extracts from a row.
 template <class Of>
 ErrorMeasures measures(const Mismatch& m, Of of) {
     Variances mean = Variances::Zero();
@@ -42,14 +42,14 @@ ErrorMeasures measures(const Mismatch& m, Of of) {
             end};
 }
 
-/// What a requirement is about: at the end of the first outage, or of the path where there is none.
+/// Value for a requirement: at the end of the first outage, or of the path if there is none.
 double required(const Mismatch& m) { return horizontal((m.outage_ends.empty() ? m.rows.back() : m.outage_ends.front()).all()); }
 
 SettingList scenario_of(const CovarianceRequest& request) {
     SettingList base = settings::scenario_settings(request.scenario, request.seed);
     if (request.outage > 0.0) {
         const double duration = settings::scenario_from(base).sim.duration;
-        // one fix more: an end needs an epoch after the outage
+        // one additional fix: an end requires an epoch after the outage
         const double start = duration - request.outage - 1.0;
         if (!(start > 0.0))
             throw input_error(fmt::format("the scenario lasts {:.6g} s only", duration), {.file = {}, .key = "--outage"},
@@ -65,7 +65,7 @@ struct Found {
     std::size_t evaluations = 0;
 };
 
-/// The value of a key at which the error is the target, by bisection; the error must grow with it.
+/// The value of a key for which the error equals the target, by bisection; the error must increase with it.
 Found found(const CovarianceRequest& request, const SettingList& base) {
     const settings::Option<settings::ScenarioConfig>* option = settings::scenario_table().find(request.find);
     if (option == nullptr)

@@ -26,14 +26,14 @@ using Frame = filter::GeographicFrame;
 using Filter = filter::InertialFilter<Frame>;
 using FilterRun = filter::FilterRun<Frame>;
 
-/// What true processes of a source do to the inertial unit's output.
+/// Effect of a source's true processes on the inertial unit's output.
 enum class Drive { None, Gyro, Accel, GyroAxes, AccelAxes };
 
-/// True processes behind the filter's states: the joint vector is (errors of the first nine states, estimates of the others, true processes).
+/// True processes beside the filter's states: joint vector (errors of the first nine states, estimates of the others, processes).
 struct ErrorSource {
     SourceName name;
     Drive drive = Drive::None;
-    VectorXd variance, decay, psd;                                            ///< of each process, at the start; 1/s; unit^2/s
+    VectorXd variance, decay, psd;                                            ///< of each process, initial; 1/s; unit^2/s
     Eigen::Matrix<double, 9, 9> start = Eigen::Matrix<double, 9, 9>::Zero();  ///< of the first nine errors
     double gyro_psd = 0.0, accel_psd = 0.0;
     std::optional<AidKind> slow;  ///< the processes are errors of this measurement
@@ -43,7 +43,7 @@ struct ErrorSource {
     MatrixXd S;
 
     [[nodiscard]] Eigen::Index size() const { return variance.size(); }
-    /// It makes no errors.
+    /// True if it causes no errors.
     [[nodiscard]] bool empty() const {
         return variance.isZero(0.0) && psd.isZero(0.0) && start.isZero(0.0) && gyro_psd == 0.0 && accel_psd == 0.0 &&
                white_position.isZero(0.0) && white_velocity.isZero(0.0) && white_baro == 0.0;
@@ -53,7 +53,7 @@ struct ErrorSource {
         decay = decay_;
         psd = psd_;
     }
-    /// Stationary ones.
+    /// Adds stationary processes.
     void markov(const VectorXd& sigma, double time) {
         processes(sigma, VectorXd::Constant(sigma.size(), 1.0 / time), 2.0 / time * sigma.array().square());
     }
@@ -72,7 +72,7 @@ VectorXd repeated(double first, double then, Eigen::Index n) {
     return out;
 }
 
-/// The matrix (three rows) by which scale factors and misalignments act on a vector that is measured.
+/// The matrix (three rows) of scale factors and misalignments acting on a measured vector.
 Eigen::Matrix<double, 3, 9> axes_acting_on(const Vector3d& v) {
     Eigen::Matrix<double, 3, 9> m = Eigen::Matrix<double, 3, 9>::Zero();
     m.leftCols<3>() = v.asDiagonal();
@@ -157,7 +157,7 @@ std::vector<std::string> left_out_of(const settings::ScenarioConfig& s) {
     return out;
 }
 
-/// Follows the sources along a run.
+/// Propagates the sources along a run.
 class Follower : public filter::PassObserver<Frame> {
 public:
     Follower(const filter::InertialModel& model, const settings::ScenarioConfig& scenario, std::vector<ErrorSource>& sources,
@@ -175,7 +175,7 @@ public:
     [[nodiscard]] bool records() const override { return true; }
     void step(const estim::Transition& phi) override { phi_ = phi; }
     void propagated(const Filter& f, double span) override {
-        // First nine rows of the transition, and the diagonal of the others; shears (a state that is the integral of another) make it dense.
+        // First nine rows of the transition, and the diagonal of the others; with shears (a state integrates another) it is dense.
         MatrixXd top = MatrixXd::Zero(9, n_), dense;
         VectorXd diagonal = phi_.diagonal.head(n_);
         if (phi_.shear_count == 0) {
@@ -294,7 +294,7 @@ private:
     std::vector<estim::RowUpdate> pending_;
 };
 
-/// The start covariance of the first nine errors, of one kind of initial error.
+/// The initial covariance of the first nine errors, from one kind of initial error.
 Eigen::Matrix<double, 9, 9> start_covariance(const filter::InertialModel& model, const filter::RunData& data,
                                              const fusion::Settings& settings, filter::Start start,
                                              const settings::InitialError& e, std::size_t which) {

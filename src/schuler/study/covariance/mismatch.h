@@ -1,4 +1,4 @@
-// Linear covariance of a filter's errors where the true errors are not those that it assumes: its gains, their statistics.
+// Linear covariance analysis of a filter whose assumptions differ from the true errors: its gains, their statistics.
 #pragma once
 
 #include "schuler/settings/scenario/scenario.h"
@@ -14,11 +14,11 @@ namespace schuler::study {
 
 using Variances = Eigen::Matrix<double, 9, 1>;  ///< position, velocity (north, east, down; m, m/s), attitude (rad)
 
-/// At one time.
+/// Values at one instant.
 struct MismatchRow {
     double time_s = 0.0;             ///< after the first fix
-    Variances filter;                ///< what the filter states
-    std::vector<Variances> sources;  ///< what each true source of errors makes of it
+    Variances filter;                ///< stated by the filter
+    std::vector<Variances> sources;  ///< contribution of each true error source
     [[nodiscard]] Variances all() const;
 };
 
@@ -29,14 +29,14 @@ struct SourceName {
 struct Mismatch {
     std::string name;
     std::vector<SourceName> sources;
-    std::vector<MismatchRow> rows;         ///< once a second
-    std::vector<MismatchRow> outage_ends;  ///< before the first fix after it is used
-    double settled_s = 0.0;                ///< of the rows, those from here on count
-    std::vector<std::string> left_out;     ///< true errors that the analysis does not have
+    std::vector<MismatchRow> rows;         ///< once per second
+    std::vector<MismatchRow> outage_ends;  ///< before the use of the first fix after it
+    double settled_s = 0.0;                ///< rows from here on are evaluated
+    std::vector<std::string> left_out;     ///< true errors not included in the analysis
 };
 
-/// Flies the scenario without errors, at `rate` Hz of the inertial unit at most, through the filter that assumes what the scenario says it assumes,
-/// and follows the covariance of each source of true errors through the filter's transitions and gains. @throws Error
+/// Runs the scenario without errors, at an IMU rate of at most `rate` Hz, through the filter with the scenario's assumptions, and
+/// propagates the covariance of each true error source with the filter's transitions and gains. @throws Error
 [[nodiscard]] Mismatch mismatch(const settings::ScenarioConfig& scenario, const settings::SettingList& over, double rate);
 
 }  // namespace schuler::study

@@ -30,7 +30,7 @@ namespace fs = std::filesystem;
 using Eigen::Vector3d;
 using gravimetry::SurveyEpoch;
 
-/// A scenario is a TOML file with a section that no data set has.
+/// A scenario is a TOML file with a section not present in any data set.
 bool is_scenario(const fs::path& path) {
     if (path.extension() != ".toml") return false;
     const settings::ValueTable root = settings::read_toml(path);
@@ -161,7 +161,7 @@ GravityInnovations innovations_of(const GravityBundle& b) {
     return out;
 }
 
-/// From loaded data to the survey and its numbers. `asked`: keys of settings that were given.
+/// From loaded data to the survey and its results. `asked`: keys of given settings.
 void estimate(GravityBundle& b, const std::set<std::string>& asked, WarningLog& warnings) {
     b.run.command = "gravity";
     b.run.ignored = solution::leave_out_chosen(b.run.data);
@@ -234,7 +234,7 @@ std::vector<GravityRow> gravity_rows(const GravityBundle& b) {
         r.position = row.position;
         r.disturbance_n = e.disturbance_n;
         r.sigma_n = e.sigma_disturbance_n;
-        // Normal gravity at the height above the geoid instead of the ellipsoid.
+        // Normal gravity at the height above the geoid instead of that above the ellipsoid.
         if (undulation)
             r.free_air = e.disturbance_n.z() + earth::gravity_down(earth.gravity, row.position.lat, row.position.h) -
                          earth::gravity_down(earth.gravity, row.position.lat, row.position.h - *undulation);

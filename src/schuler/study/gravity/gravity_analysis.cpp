@@ -14,10 +14,10 @@ using gravimetry::SurveyEpoch;
 
 constexpr double shortest_line = 1000.0;  // m
 constexpr double course_tolerance = 5.0 * units::deg;
-constexpr double slowest = 5.0;            // m/s: what is slower has no course worth its name
+constexpr double slowest = 5.0;            // m/s: below this the course is undefined
 constexpr double repeated_within = 200.0;  // m
 
-/// RMS and RMS less the mean of value - truth over what is settled; truth is down, like the values.
+/// RMS of value - truth, and the same less the mean, over the settled part; truth is down, like the values.
 std::pair<double, double> error_of(const GravityBundle& b, const std::vector<double>& down, double edge) {
     double sum = 0.0, squares = 0.0, n = 0.0;
     const double end = b.run.relative(b.survey.forward.back().time) - edge;
@@ -34,7 +34,7 @@ std::pair<double, double> error_of(const GravityBundle& b, const std::vector<dou
     return {std::sqrt(squares / n), std::sqrt(std::max(0.0, squares / n - sum * sum / (n * n)))};
 }
 
-/// A disturbance that was simulated along the track is taken off: a crossing would meet two places of it.
+/// A disturbance simulated along the track is subtracted: a crossing would compare two positions along it.
 std::vector<gravimetry::TrackPoint> track_of(const GravityBundle& b) {
     const earth::Earth& earth = b.run.data.config.filter.earth;
     const std::vector<SolutionRow>& rows = b.run.solution().rows;

@@ -20,7 +20,7 @@ namespace {
 
 using gravimetry::SurveyEpoch;
 
-/// What is counted of every run: |error| at the end, or RMS over a survey.
+/// Quantity evaluated for every run: |error| at the end, or RMS over a survey.
 struct Quantity {
     const char* name;
     const char* unit;
@@ -44,7 +44,7 @@ constexpr std::array quantities{Quantity{"disturbance up", "mGal", units::mgal},
                                 Quantity{"lines, levelled", "mGal", units::mgal},
                                 Quantity{"classical, rms - mean", "mGal", units::mgal}};
 
-/// Sigma is 0 where the filter states none.
+/// Sigma is 0 if the filter states none.
 struct ErrorAndSigma {
     double error = not_given, sigma = 0.0;
 };
@@ -61,10 +61,10 @@ SurveyErrors errors_of_survey(const GravityBundle& b) {
     const auto& error_row =
         b.run.evaluation.errors_forward.empty() ? b.run.evaluation.errors.back() : b.run.evaluation.errors_forward.back();
     const Eigen::Vector3d dg = last.disturbance_n - b.truth.back(), sigma = last.sigma_disturbance_n;
-    // Level surveys: roll and pitch turned by the heading are tilts about north and east.
+    // Level surveys: roll and pitch rotated by the heading are tilts about north and east.
     const SolutionRow& row = b.run.result.forward.rows.back();
     const double s = std::sin(row.rpy.z()), c = std::cos(row.rpy.z());
-    // Seen from north, east and down; their sigmas are those of the body axes and would need the covariance between them.
+    // Resolved in north, east and down; the sigmas are those of the body axes, as the conversion would require their covariance.
     const Eigen::Vector3d gyro = math::dcm_from_rpy(row.rpy) * (last.gyro_bias - b.run.truth.sensors.back().gyro_bias);
     return {{{dg.z(), sigma.z()},
              {dg.x(), sigma.x()},
@@ -138,7 +138,7 @@ report::Outcome gravity_campaign(const GravityRequest& request) {
             n += 1.0;
         }
         if (sizes.empty()) continue;
-        // NEES: near one where the filter knows what it does not know.
+        // NEES: near one if the filter's stated uncertainty is correct.
         table.rows.push_back({fmt::format("{}, {}", quantities[q].name, quantities[q].unit), quantities[q].unit,
                               math::quantile(sizes, 0.5), math::quantile(sizes, 0.05), math::quantile(sizes, 0.95),
                               n > 0.0 ? squares / n : not_given});

@@ -19,7 +19,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// The loosely coupled smoother over the same data: start and attitude where the user gives none.
+/// The loosely coupled smoother over the same data: start and attitude if not given by the user.
 fusion::Result coarse(const solution::LoadedDataset& data, WarningLog& warnings) {
     fusion::Settings s = data.config.filter;
     s.smooth = true;
@@ -31,7 +31,7 @@ fusion::Result coarse(const solution::LoadedDataset& data, WarningLog& warnings)
     return result;
 }
 
-/// Injects a disturbance into the increments: what an accelerometer would have felt of it.
+/// Adds a disturbance to the increments as sensed by an accelerometer.
 void inject(std::vector<ImuIncrement>& imu, const std::vector<sim::AnomalyPart>& parts, const std::vector<SolutionRow>& rows,
             Time origin, std::uint64_t seed) {
     double extent = 0.0;
@@ -61,7 +61,7 @@ fusion::DisturbanceSettings disturbance_of(const settings::GravityConfig& g) {
             given(g.curvature)};
 }
 
-/// Constant errors of the receiver are slow ones that never change.
+/// Constant errors of the receiver are slow errors with infinite correlation time.
 void take_systematic_errors(const settings::GravityConfig& g, sensor::GnssErrorModel& errors) {
     constexpr double never = std::numeric_limits<double>::infinity();
     if (std::isfinite(g.gnss_position)) {
@@ -75,9 +75,9 @@ void take_systematic_errors(const settings::GravityConfig& g, sensor::GnssErrorM
     }
 }
 
-/// Where the disturbance is a constant, errors of the sensors that come and go many times in the survey average out like white noise of the
-/// density that they have at zero frequency. Beside a constant error of the sensors, which keeps the state of the bias, they are taken so: as
-/// a walk of that state, which holds for times shorter than their correlation, they would hide the disturbance.
+/// If the disturbance is constant, sensor errors that vary many times during the survey average out like white noise of their density
+/// at zero frequency. In addition to a constant sensor error, represented by the bias state, they are modelled in this way: modelled
+/// as a random walk of that state, which is valid for times shorter than their correlation, they would mask the disturbance.
 void take_coloured_noise(double span, sensor::ImuErrorModel& e) {
     const auto take = [&](double& bias, double time, double constant, double& noise) {
         if (!(constant > 0.0 && bias > 0.0 && time > 0.0 && time < 0.1 * span)) return;
@@ -99,7 +99,7 @@ void take_barometer(const solution::LoadedDataset& data, Recording& recording, f
     for (const BaroSample& b : data.recording.baro) recording.gauges.push_back({b.time, {b.height, not_given, not_given}});
 }
 
-/// The beliefs of a run as covariance analysis wants them.
+/// The assumptions of a run in the form used by covariance analysis.
 gravimetry::SurveySettings beliefs_of(const fusion::Settings& filter, const fusion::Start& start) {
     const sensor::ImuErrorModel& imu = filter.imu.errors;
     gravimetry::SurveySettings s;
@@ -122,7 +122,7 @@ gravimetry::SurveySettings beliefs_of(const fusion::Settings& filter, const fusi
     return s;
 }
 
-/// Noise of the fixes that are used, their rate and the speed between them. @throws Error(Input) where there are none
+/// Noise of the used fixes, their rate and the speed between them. @throws Error(Input) if there are none
 gravimetry::VerticalMotion motion_of(const GravityInput& in) {
     gravimetry::VerticalMotion m{0.0, 0.0, 1.0, 0.0};
     double n = 0.0, moving = 0.0, distance = 0.0;
@@ -196,7 +196,7 @@ GravityInput gravity_input(const solution::LoadedDataset& data, WarningLog& warn
 
     std::vector<ImuIncrement>& imu = run.imu.increments;
     if (c.filter.stop) std::erase_if(imu, [&](const ImuIncrement& i) { return i.time > *c.filter.stop; });
-    // The filter begins where an increment begins.
+    // The filter starts at the start of an increment.
     const double half = 0.5 * run.imu.median_dt;
     const auto begin = std::ranges::find_if(imu, [&](const ImuIncrement& i) { return (i.time - start.time).seconds() >= half; });
     if (begin == imu.end())

@@ -1,4 +1,4 @@
-// Whether a survey may be used, and what has changed at its steps.
+// Usability of a survey, and the changes at its steps.
 #include "schuler/core/units.h"
 #include "schuler/study/gravity/gravity.h"
 
@@ -13,12 +13,12 @@ namespace {
 using Eigen::Vector3d;
 using gravimetry::SurveyEpoch;
 
-/// Beyond these the linear model of the errors, or what is believed of the instruments, does not hold. A consistent filter refuses fewer
-/// than one fix in ten thousand, and its NIS is one within a percent or two.
+/// Beyond these the linear error model, or the assumptions about the instruments, are not valid. A consistent filter refuses
+/// fewer than one fix in ten thousand, and its NIS is one within a percent or two.
 constexpr double largest_nis = 2.0, largest_refused = 0.01;
-constexpr double most_sigmas = 5.0;  ///< sigmas, where the truth is known
+constexpr double most_sigmas = 5.0;  ///< sigmas, if the truth is known
 
-/// Positions that were refused after settling, as a share.
+/// Fraction of positions refused after settling.
 double refused_share(const GravityBundle& b) {
     double refused = 0.0, all = 0.0;
     for (const filter::AidRecord& r : b.survey.aids) {
@@ -61,11 +61,11 @@ GravityVerdict gravity_verdict(const GravityBundle& b) {
 std::vector<GravityChange> gravity_changes(const GravityBundle& b, const GravityInput& input) {
     std::vector<GravityChange> out;
     if (input.steps.empty()) return out;
-    // What the accelerometers are off by at the start is taken into the level, whose prior grows by it: the sum is well known. What their bias
-    // does afterwards stays with its state, as a walk from zero.
+    // The initial accelerometer errors are absorbed by the level, whose prior is increased accordingly: the sum is well known.
+    // Later bias changes are represented by its state, as a random walk from zero.
     filter::Settings settings = input.filter;
     fusion::Start start = input.start;
-    // So are scale factors and misalignments, which turn the specific force of rest into a bias.
+    // The same applies to scale factors and misalignments, which convert the specific force at rest to a bias.
     sensor::ImuErrorModel& errors = settings.imu.errors;
     const double constant =
         std::hypot(start.std_accel_bias.maxCoeff(), units::g0 * errors.accel_scale, units::g0 * errors.accel_misalignment);
@@ -77,7 +77,7 @@ std::vector<GravityChange> gravity_changes(const GravityBundle& b, const Gravity
     const gravimetry::SurveyResult survey =
         gravimetry::run_survey(input.data, settings, start, {.smooth = false, .steps = input.steps});
     const auto before = [&](Time t) {
-        // an epoch at the time of the step has the step's variance already
+        // an epoch at the time of the step already includes the step's variance
         const auto after = std::ranges::find_if(survey.forward, [&](const SurveyEpoch& e) { return e.time >= t; });
         return after == survey.forward.begin() ? nullptr : &*(after - 1);
     };

@@ -14,9 +14,9 @@ using Eigen::Vector3d;
 
 report::Json in_mgal(double x) { return report::json_number(x / units::mgal); }
 
-/// A component of the answer: errors where the truth is known, sigma and estimate at the last fix.
+/// A component of the result: errors if the truth is known, sigma and estimate at the last fix.
 report::Json component(const GravityBundle& b, int axis, double sign) {
-    if (!b.attainable.usable && b.verdict.usable)  // a survey that is not to be used is off by something all the same
+    if (!b.attainable.usable && b.verdict.usable)  // a survey that is not usable has some error in any case
         return {{"rms", nullptr}, {"spread", nullptr}, {"final", nullptr}, {"sigma", nullptr}, {"estimate", nullptr}};
     const gravimetry::SurveyEpoch& last = b.epochs().back();
     return {{"rms", in_mgal(b.errors.rms(axis))},
@@ -54,7 +54,7 @@ report::ResultTable changes_of(const GravityBundle& b) {
     return table;
 }
 
-/// Nothing where there is no row.
+/// Empty if there are no rows.
 std::string text_where_any(const report::ResultTable& table) { return table.rows.empty() ? "" : report::table_text(table); }
 
 std::string field(double x, double unit, int decimals) {
@@ -88,7 +88,7 @@ std::string gravity_csv(const GravityBundle& b, const std::vector<GravityRow>& r
 }
 
 std::string gravity_geojson(const GravityBundle& b, const std::vector<GravityRow>& rows) {
-    // Points at most once a second, at most ten thousand of them.
+    // Points at most once per second, at most ten thousand of them.
     const std::size_t stride = 1 + rows.size() / 10'000;
     report::Json features = report::Json::array();
     const auto short_mgal = [](double x) { return report::Json(std::round(1e4 * x / units::mgal) / 1e4); };

@@ -44,7 +44,7 @@ report::Panel component_panel(const std::vector<GravityRow>& rows, bool truth, i
     return p;
 }
 
-/// Figure 3 of paper E: the estimate of the filter as it settles, against the truth.
+/// Figure 3 of paper E: the estimate of the filter as it settles, compared with the truth.
 report::Panel filter_panel(const GravityBundle& b) {
     report::Panel p{"vertical disturbance of the forward filter as it settles", "time, s", "mGal"};
     std::vector<double> t, estimate, truth, low, high;
@@ -69,7 +69,7 @@ report::Panel error_panel(const GravityBundle& b) {
     const double settled = b.run.relative(b.run.evaluation.settled);
     for (std::size_t i = 0; i < b.survey.forward.size(); ++i) {
         t.push_back(b.run.relative(b.survey.forward[i].time));
-        // How it settles is on the panel before.
+        // The settling is shown in the previous panel.
         const double known = b.survey.forward[i].sigma_disturbance_n.z() / b.survey.forward.back().sigma_disturbance_n.z();
         const bool shown = t.back() >= settled && known < 3.0;
         forward.push_back(shown ? -(b.survey.forward[i].disturbance_n.z() - b.truth[i].z()) / mgal : not_given);
@@ -80,7 +80,7 @@ report::Panel error_panel(const GravityBundle& b) {
     p.bands.push_back({"one sigma", t, minus, sigma});
     p.series.push_back({"forward filter", t, forward, Ink::Vermillion});
     std::vector<double> classical;
-    // Its edges, where the low-pass has no full window, would rule the scale.
+    // Its edges, where the low-pass has an incomplete window, would dominate the scale.
     for (std::size_t i = 0; i < b.classical.down.size(); ++i)
         classical.push_back(t[i] - t.front() < b.classical.period || t.back() - t[i] < b.classical.period
                                 ? not_given

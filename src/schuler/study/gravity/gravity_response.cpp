@@ -20,13 +20,13 @@ using gravimetry::HarmonicResponse;
 using gravimetry::SurveyEpoch;
 using sim::AnomalyPart;
 
-constexpr double size = 10.0 * units::mgal;  // of the harmonics: small enough for the filter to be linear
+constexpr double size = 10.0 * units::mgal;  // of the harmonics: small enough for a linear response of the filter
 constexpr int periods = 10;
 
-/// Abscissa of a survey: metres along the track where it moves, seconds where it does not.
+/// Abscissa of a survey: metres along the track if moving, seconds otherwise.
 struct Course {
     bool by_time = false;
-    double pace = 1.0;      ///< metres (or seconds) in a second
+    double pace = 1.0;      ///< metres (or seconds) per second
     double duration = 0.0;  ///< s
     std::vector<double> s;  ///< at the epochs
 };
@@ -52,14 +52,14 @@ AnomalyPart part(AnomalyPart::Kind kind, double sign, double start, double lengt
     return {kind, Eigen::Vector3d(0.0, 0.0, sign * size), start, length, by_time};
 }
 
-/// What an estimator made of what was added: down component, settled epochs only.
+/// Response of an estimator to the added part: down component, settled epochs only.
 std::vector<double> answer(const std::vector<SurveyEpoch>& with, const std::vector<SurveyEpoch>& without) {
     std::vector<double> out;
     for (std::size_t i = 0; i < with.size(); ++i) out.push_back(with[i].disturbance_n.z() - without[i].disturbance_n.z());
     return out;
 }
 
-/// The part of a series between two shares of it.
+/// The part of a series between two fractions of its length.
 std::vector<double> between(const std::vector<double>& x, double from, double to) {
     const auto n = static_cast<double>(x.size());
     return {x.begin() + static_cast<std::ptrdiff_t>(from * n), x.begin() + static_cast<std::ptrdiff_t>(to * n)};
@@ -112,7 +112,7 @@ Corrected corrected(const settings::ScenarioConfig& scenario, const settings::Pr
     std::vector<double> estimate;
     for (const SurveyEpoch& e : base.survey.forward) estimate.push_back(e.disturbance_n.z());
     const std::vector<double> moved = gravimetry::corrected_for(course.s, estimate, r, harmonic->length);
-    // The last lag's worth of the track has no corrected value.
+    // The last part of the track, as long as the lag, has no corrected value.
     const double late = std::max(0.0, r.lag / (2.0 * std::numbers::pi) * out.period);
     for (std::size_t i = 0; i < moved.size(); ++i) {
         const double t = base.run.relative(base.survey.forward[i].time);
@@ -191,7 +191,7 @@ GravityResponse gravity_response_of(const settings::ScenarioConfig& scenario, co
         out.at.push_back(measured(scenario, common, base, course, shortest * std::pow(longest / shortest, i / (periods - 1.0))));
         if (common.progress) common.progress((i + 1.0) / (periods + 2.0));
     }
-    // An impulse of a second in the middle: two steps.
+    // An impulse of one second in the middle: two steps.
     const double middle = 0.5 * course.s.back(), width = course.pace;
     const GravityBundle hit = with(scenario,
                                    {part(AnomalyPart::Kind::Step, 100.0, middle, 1.0, course.by_time),

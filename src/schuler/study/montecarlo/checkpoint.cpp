@@ -25,7 +25,7 @@ int rank_in(const std::string& name, std::string_view kind) {
     return result.ptr == end && result.ec == std::errc{} ? rank : -1;
 }
 
-/// Rows, and checkpoints that were being written at the end.
+/// Rows, and checkpoints whose writing was interrupted.
 bool is_left_over(const std::string& name) {
     return rank_in(name, "rows-") >= 0 || name == "rows.bin" || (name.starts_with(".checkpoint-") && name.ends_with(".part"));
 }
@@ -98,7 +98,7 @@ void CampaignPart::append_rows(const fs::path& from, std::uint64_t bytes) {
 }
 
 void CampaignPart::take_over() {
-    // The part of process 0 comes first: it holds the others' where they have been taken over before, and these are then left out.
+    // The part of process 0 comes first: it contains those of the others if they were adopted before, and these are then omitted.
     const std::vector<fs::path> files = left_in(folder_);
     const fs::path own = file("rows", rank_);
     for (const fs::path& path : files) {
@@ -109,7 +109,7 @@ void CampaignPart::take_over() {
             if (from.text() != identity_)
                 throw input_error(
                     "belongs to a campaign with another scenario, other settings or another version of the program");
-            io::allow_overwrite(path);  // it is ours, also where the end came before it was noted
+            io::allow_overwrite(path);  // it is our file, even if the interruption came before it was recorded
             const auto rows = from.get<std::uint64_t>();
             const RunSet theirs = get_runs(from);
             CampaignStatistics statistics = empty_;

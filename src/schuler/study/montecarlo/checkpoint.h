@@ -1,4 +1,4 @@
-// What a campaign keeps in its folder while it runs, so that it can be taken up again after any end.
+// Files of a running campaign that allow it to be resumed after any interruption.
 #pragma once
 
 #include "schuler/study/montecarlo/run_set.h"
@@ -13,28 +13,28 @@
 
 namespace schuler::study {
 
-/// A row of runs.csv in numbers; the first two are the run and whether it failed.
+/// A row of runs.csv as numbers; the first two are the run and whether it failed.
 using RunNumbers = std::vector<double>;
 
-/// The part of a campaign that one process has done. Its file checkpoint-RANK.bin is replaced as a whole; the rows of its runs are appended to
-/// rows-RANK.bin, of which as much counts as the checkpoint says.
+/// The part of a campaign processed by one process. Its file checkpoint-RANK.bin is replaced as a whole; the rows of its runs are
+/// appended to rows-RANK.bin, which is valid up to the length stored in the checkpoint.
 class CampaignPart {
 public:
-    /// `identity`: of scenario, settings and program; `row`: numbers in a row.
+    /// `identity`: of scenario, settings and program; `row`: numbers per row.
     CampaignPart(std::filesystem::path folder, int rank, std::string identity, std::size_t row, const CampaignStatistics& empty);
 
-    /// Takes over the parts that an interrupted campaign has left. @throws Error(Input) where they are of another campaign or damaged
+    /// Adopts the parts of an interrupted campaign. @throws Error(Input) if they belong to another campaign or are damaged
     void take_over();
-    /// Begins the file of rows, and the first checkpoint: what cannot be written is known before the work. @throws Error
+    /// Creates the file of rows and the first checkpoint, so that write errors are detected before the work. @throws Error
     void begin();
     void add(const MonteCarloRun& run, const RunNumbers& row);
-    /// Writes the checkpoint. @throws Error(Computation) where the disk is full
+    /// Writes the checkpoint. @throws Error(Computation) if the disk is full
     void save();
     /// The rows of all parts in the order of runs, `first` to `end`. @throws Error
     void each_row(std::uint64_t first, std::uint64_t end, const std::function<void(const RunNumbers&)>& show);
 
     [[nodiscard]] std::string packed() const;
-    /// Statistics and runs of another part, as packed() gave them; its rows stay in their own file.
+    /// Statistics and runs of another part, from packed(); its rows stay in their own file.
     void merge(std::string_view bytes);
 
     [[nodiscard]] const RunSet& done() const { return done_; }

@@ -24,7 +24,7 @@ using settings::Variation;
 constexpr std::size_t default_runs = 100;
 constexpr std::size_t kept_epochs = 1000;  ///< of each run
 
-/// Every n-th element, so that at most kept_epochs remain.
+/// Every n-th element, so that at most kept_epochs are left.
 template <class Row>
 std::vector<Row> sparse(const std::vector<Row>& rows) {
     const std::size_t stride = (rows.size() + kept_epochs - 1) / kept_epochs;
@@ -45,7 +45,7 @@ std::vector<solution::StateErrors> one_a_step(const std::vector<solution::StateE
     return out;
 }
 
-/// Epochs of epochs.csv: the longest flight has a thousand of them.
+/// Epoch interval of epochs.csv: the longest flight has a thousand epochs.
 double epoch_step(const settings::ScenarioConfig& scenario) {
     double longest = scenario.sim.duration;
     for (const Variation& v : scenario.vary) {
@@ -77,7 +77,7 @@ void fill(MonteCarloRun& run, const settings::ScenarioConfig& scenario, const se
     run.outages = std::move(e.outages);
 }
 
-/// Settings without effect on the scenario as it stands: flown once more, so that they do not depend on which runs were flown here.
+/// Settings without effect on the scenario: run once more, so that the result does not depend on the runs made here.
 std::vector<solution::Ignored> without_effect(const settings::ScenarioConfig& scenario, const settings::SettingList& over) {
     const std::set<std::string> asked = settings::keys_of_processing(scenario, over);
     if (asked.empty()) return {};
@@ -87,14 +87,14 @@ std::vector<solution::Ignored> without_effect(const settings::ScenarioConfig& sc
         solution::fuse_and_evaluate(bundle, unheard, scenario.sim.reference_rate, {});
         bundle.command = "montecarlo";
         return solution::ignored_of(bundle, asked);
-    } catch (const Error&) {  // one of the runs that failed
+    } catch (const Error&) {  // one of the failed runs
         return {};
     }
 }
 
 std::uint64_t grid_point(const std::vector<Variation>& vary, std::uint64_t run) { return run % settings::grid_points(vary); }
 
-/// Place in its list of the value that a sweep has at a point of the grid; the last key of the file turns fastest.
+/// Index in its list of the value of a sweep at a grid point; the last key of the file varies fastest.
 std::size_t place_in_sweep(const std::vector<Variation>& vary, const Variation& sweep, std::uint64_t point) {
     for (auto it = vary.rbegin(); it != vary.rend(); ++it) {
         if (it->kind != Variation::Kind::Sweep) continue;
@@ -104,7 +104,7 @@ std::size_t place_in_sweep(const std::vector<Variation>& vary, const Variation& 
     return 0;
 }
 
-/// What makes two campaigns the same but for the number of their runs.
+/// Identifies campaigns that differ only in the number of runs.
 std::string identity_of(const settings::SettingList& base, const settings::SettingList& over, const std::string& version) {
     std::string out = version + "\n";
     for (const settings::SettingList* list : {&base, &over}) {
@@ -115,12 +115,12 @@ std::string identity_of(const settings::SettingList& base, const settings::Setti
     return out;
 }
 
-/// Runs that are not done yet, handed out in order, in pieces that become smaller to the end; every thread may ask.
+/// Runs still to be made, handed out in order, in spans that become smaller towards the end; thread-safe.
 class WorkList {
 public:
     WorkList(RunSet done, std::uint64_t first, std::uint64_t end, std::size_t workers)
         : done_(std::move(done)), next_(first), end_(end), workers_(workers) {}
-    /// Nothing more is handed out.
+    /// Stops handing out runs.
     void stop() {
         const std::lock_guard<std::mutex> lock(mutex_);
         next_ = end_;
@@ -143,7 +143,7 @@ private:
     std::size_t workers_;
 };
 
-/// Checkpoints often enough to lose little, rarely enough to cost little.
+/// Interval of checkpoints: frequent enough to lose little, rare enough to cost little.
 class SaveClock {
 public:
     [[nodiscard]] bool due() const {
@@ -238,8 +238,8 @@ void work(const Flights& flights, CampaignPart& part, WorkList* list, Team* team
                      {});
     } catch (...) {
         try {
-            part.save();          // what is done is kept
-        } catch (const Error&) {  // NOLINT: the first error is the one to tell
+            part.save();          // finished runs are kept
+        } catch (const Error&) {  // NOLINT: the first error is the one to report
         }
         throw;
     }
@@ -275,7 +275,7 @@ settings::SettingList settings_of_run(const settings::SettingList& base, const s
 MonteCarlo montecarlo(const CampaignRequest& request) {
     const auto begin = std::chrono::steady_clock::now();
     const settings::SettingList base = settings::scenario_settings(request.common.input, request.common.seed);
-    const settings::ScenarioConfig scenario = settings::scenario_from(base);  // wrong settings fail here, before any run
+    const settings::ScenarioConfig scenario = settings::scenario_from(base);  // invalid settings fail here, before any run
     const settings::SettingList over = request.common.over({});
     const std::size_t points = settings::grid_points(scenario.vary);
     MonteCarlo mc;
@@ -311,7 +311,7 @@ MonteCarlo montecarlo(const CampaignRequest& request) {
                                           spans.rbegin()->second - 1),
                               {.file = {}, .key = "-n"}, "give at least as many runs as before");
     }
-    if (request.team) request.team->wait();  // nobody writes before process 0 has taken over what there was
+    if (request.team) request.team->wait();  // no process writes before process 0 has adopted the previous files
     part.begin();
     const std::uint64_t before = part.done().count();
     const Flights flights{request, scenario, base, over, empty.epoch_step};
@@ -320,7 +320,7 @@ MonteCarlo montecarlo(const CampaignRequest& request) {
     try {
         work(flights, part, list ? &*list : nullptr, request.team.get(), mc.runs);
     } catch (const Error& e) {
-        if (part.done().count() == 0) {  // nothing to go on with
+        if (part.done().count() == 0) {  // no successful run to continue with
             if (!request.team) CampaignPart::remove_from(mc.folder);
             throw;
         }

@@ -17,7 +17,7 @@ namespace {
 
 using analysis::Quantiles;
 
-/// Over all runs and epochs (rms, p95, max), and the runs' own rms as quantiles.
+/// Over all runs and epochs (rms, p95, max), and the rms of the individual runs as quantiles.
 struct PooledError {
     analysis::Spread all;
     Quantiles runs;
@@ -100,7 +100,7 @@ std::vector<std::pair<std::string, const settings::Value*>> at_point(const Monte
     return out;
 }
 
-/// A row a point, for people and files.
+/// One row per point, for display and files.
 report::ResultTable sweep_table(const MonteCarlo& mc) {
     report::ResultTable table{"sweep, root mean squares"};
     for (const auto& [key, value] : at_point(mc, 0)) table.columns.push_back({key, key, "", ".6g", ""});
@@ -233,7 +233,7 @@ std::string error_table(const CampaignStatistics& s) {
 
 std::string block_table(const CampaignStatistics& s) {
     ResultTable table = report::table_for_people("", {"states", "rms", "5 %", "median", "95 %"});
-    for (std::size_t b = 2; b < solution::state_blocks; ++b) {  // position and velocity stand above
+    for (std::size_t b = 2; b < solution::state_blocks; ++b) {  // position and velocity are above
         const solution::StateBlockName& name = solution::state_block_names()[b];
         if (!s.present(b)) continue;
         for (std::size_t axis = 0; axis < static_cast<std::size_t>(name.dof); ++axis) {

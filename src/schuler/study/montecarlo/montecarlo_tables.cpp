@@ -19,7 +19,7 @@ std::string csv_value(const settings::Value& value) {
     return io::csv_field(value.text() != nullptr ? *value.text() : settings::to_toml(value));
 }
 
-/// A number of a row as the value it stands for.
+/// A number of a row as the value it represents.
 std::string drawn_value(const settings::Variation& v, double x) {
     if (!std::isfinite(x)) return {};
     const bool of_list = !v.values.empty() && !v.values.front().is_number();

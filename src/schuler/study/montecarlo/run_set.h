@@ -1,4 +1,4 @@
-// Which runs of a campaign are done.
+// Completed runs of a campaign.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace schuler::study {
 
-/// A set of numbers of runs, as spans without gaps.
+/// A set of run numbers, stored as contiguous spans.
 class RunSet {
 public:
     void add(std::uint64_t run) { add(run, run + 1); }
@@ -27,7 +27,7 @@ public:
         const auto it = spans_.upper_bound(run);
         return it != spans_.begin() && std::prev(it)->second > run;
     }
-    /// The first run from `run` on that is not in the set.
+    /// The first run, starting at `run`, that is not in the set.
     [[nodiscard]] std::uint64_t first_missing(std::uint64_t run) const {
         const auto it = spans_.upper_bound(run);
         return it != spans_.begin() && std::prev(it)->second > run ? std::prev(it)->second : run;

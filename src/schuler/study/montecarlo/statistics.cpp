@@ -186,7 +186,7 @@ std::array<double, solution::state_blocks> mean_nees(const MonteCarloRun& run) {
             count[b] += 1.0;
         }
     }
-    for (std::size_t b = 0; b < sum.size(); ++b) sum[b] /= count[b];  // NaN where there is none
+    for (std::size_t b = 0; b < sum.size(); ++b) sum[b] /= count[b];  // NaN if there is none
     return sum;
 }
 

@@ -1,4 +1,4 @@
-// Statistics of a campaign that take runs one at a time and keep none: their size does not depend on the number of runs.
+// Statistics of a campaign from one run at a time, without storing runs: their size does not depend on the number of runs.
 #pragma once
 
 #include "schuler/analysis/ensemble.h"
@@ -20,7 +20,7 @@
 
 namespace schuler::study {
 
-/// A scalar error of summary.json: where it stands, how it is got, its unit.
+/// A scalar error of summary.json: its position, its source, its unit.
 struct ErrorField {
     const char* group;
     const char* name;
@@ -32,19 +32,19 @@ struct ErrorField {
 inline constexpr std::size_t error_field_count = 11;
 [[nodiscard]] const std::array<ErrorField, error_field_count>& error_fields();
 
-/// What a campaign learns from one run.
+/// Data of one run used by a campaign.
 struct MonteCarloRun {
     std::uint64_t run = 0, seed = 0;
     settings::SettingList drawn;  ///< values of the keys that vary
-    std::vector<double> numbers;  ///< of each key that varies: its value, or where that is no number its place in the list
+    std::vector<double> numbers;  ///< for each varying key: its value, or if that is not a number its index in the list
     std::uint64_t point = 0;      ///< of the grid of sweeps
-    std::string failure;          ///< empty: it went through
-    std::string scheme, mechanization, loop;  ///< as the run used them
+    std::string failure;          ///< empty: successful
+    std::string scheme, mechanization, loop;  ///< as used in the run
     bool smoothed = false;
-    double settled_s = 0.0;                     ///< s after the first fix, from where errors are counted
+    double settled_s = 0.0;                     ///< s after the first fix, from which errors are evaluated
     Time origin;                                ///< first fix
     analysis::ErrorSummary summary;             ///< at every reference epoch
-    std::vector<analysis::ErrorRow> errors;     ///< a thousand of them at most, settled
+    std::vector<analysis::ErrorRow> errors;     ///< at most a thousand of them, settled
     std::vector<solution::StateErrors> states;  ///< from the start on
     std::vector<solution::AidConsistency> aids;
     std::vector<analysis::OutageStatistics> outages;
@@ -68,10 +68,10 @@ struct FieldStatistics {
     std::uint64_t epochs = 0;
     double largest = 0.0;
     ValueStatistics runs;                   ///< the runs' own root mean squares
-    math::QuantileSketch size{130'000, 7};  ///< absolute values of the rows that are kept of each run
+    math::QuantileSketch size{130'000, 7};  ///< absolute values of the rows kept from each run
 };
 
-/// Mean of a positive number over runs, and how the runs scatter.
+/// Mean of a positive number over runs, and the scatter of the runs.
 struct NeesOfRuns {
     math::ExactSum sum, square;
     std::uint64_t runs = 0, epochs = 0;
@@ -80,7 +80,7 @@ struct NeesOfRuns {
 /// One block of states at one epoch over the runs.
 struct BlockAtEpoch {
     std::array<ValueStatistics, 3> error{ValueStatistics{256, 4}, ValueStatistics{256, 4},
-                                         ValueStatistics{256, 4}};  ///< in the unit of files
+                                         ValueStatistics{256, 4}};  ///< in the unit used in files
     math::ExactSum nees, settled_nees;
     std::uint64_t count = 0, settled = 0;  ///< runs
 };
@@ -105,39 +105,39 @@ struct PointStatistics {
     std::uint64_t runs = 0, failed = 0, epochs = 0, nees_runs = 0;
     std::array<math::ExactSum, error_field_count> square;
     math::ExactSum nees, end_square;
-    std::uint64_t ends = 0;  ///< runs with a first outage, whose horizontal end error this is
+    std::uint64_t ends = 0;  ///< runs with a first outage, for the horizontal error at its end
 };
 
 struct Failure {
     std::uint64_t seed = 0;
     std::string reason;
 };
-inline constexpr std::size_t kept_failures = 1000;  ///< of the runs of the lowest numbers
+inline constexpr std::size_t kept_failures = 1000;  ///< those with the lowest run numbers
 
-/// Sums are exact and histograms fixed, so that runs in any order, added one by one or in parts that are merged, give the same statistics bit for bit.
+/// Sums are exact and histograms fixed, so that runs in any order, added one by one or merged in parts, give bitwise equal statistics.
 struct CampaignStatistics {
     double epoch_step = 1.0;  ///< s, of epochs.csv
     std::uint64_t runs = 0, failed = 0;
-    std::uint64_t first_run = std::numeric_limits<std::uint64_t>::max();  ///< of those that went through: `head` is of it
+    std::uint64_t first_run = std::numeric_limits<std::uint64_t>::max();  ///< of the successful ones: `head` is from it
     struct Head {
         std::string scheme, mechanization, loop;
         bool smoothed = false;
         double settled_s = 0.0;
     } head;
     std::array<FieldStatistics, error_field_count> fields;
-    std::array<std::array<ValueStatistics, 3>, solution::state_blocks> components;  ///< settled, in the unit of files
+    std::array<std::array<ValueStatistics, 3>, solution::state_blocks> components;  ///< settled, in the unit used in files
     std::array<NeesOfRuns, solution::state_blocks> nees;
     std::map<std::int64_t, Epoch> epochs;
     std::map<std::string, AidStatistics> aids;
     std::vector<OutageOfRuns> outages;
-    std::map<std::uint64_t, PointStatistics> points;  ///< only where something is swept
+    std::map<std::uint64_t, PointStatistics> points;  ///< only with sweeps
     bool swept = false;
-    std::map<std::uint64_t, Failure> failures;  ///< by the number of the run
+    std::map<std::uint64_t, Failure> failures;  ///< by run number
 
     void add(const MonteCarloRun& run);
     void merge(const CampaignStatistics& other);
     void pack(Packer& to) const;
-    /// @throws Error(Input) where the bytes are damaged
+    /// @throws Error(Input) if the bytes are damaged
     void unpack(Unpacker& from);
 
     [[nodiscard]] bool present(std::size_t block) const { return nees[block].runs > 0; }
@@ -148,7 +148,7 @@ struct CampaignStatistics {
     [[nodiscard]] analysis::EnsembleConsistency consistency(std::size_t block) const;
 };
 
-/// Mean NEES of the blocks of one run from where it has settled; NaN where it has none.
+/// Mean NEES of the blocks of one run after settling; NaN if there is none.
 [[nodiscard]] std::array<double, solution::state_blocks> mean_nees(const MonteCarloRun& run);
 
 }  // namespace schuler::study

@@ -1,4 +1,4 @@
-// The statistics of a campaign as bytes: the same ones for the same runs, whatever their order.
+// The statistics of a campaign as bytes: identical for the same runs in any order.
 #include "schuler/study/montecarlo/statistics.h"
 
 #include <algorithm>
@@ -6,7 +6,7 @@
 namespace schuler::study {
 namespace {
 
-/// One description of each struct serves both ways.
+/// One description of each struct serves both directions.
 class Writer {
 public:
     explicit Writer(Packer& to) : to_(to) {}

@@ -1,4 +1,4 @@
-// A table or figure of a paper as something that can be made: what the files of this folder have in common.
+// A reproducible table or figure of a paper: common parts of the files in this folder.
 #pragma once
 
 #include "schuler/report/report.h"
@@ -14,7 +14,7 @@
 
 namespace schuler::study {
 
-/// What an item is made with.
+/// Input of an item.
 struct PaperWork {
     std::size_t runs = 1;
     std::uint64_t seed = 1;
@@ -22,20 +22,20 @@ struct PaperWork {
     std::function<void(double)> progress{};
 };
 
-/// What is made: numbers by the keys of data/papers.toml, tables and plots.
+/// Result of an item: numbers by the keys of data/papers.toml, tables and plots.
 struct PaperResult {
     std::vector<std::pair<std::string, double>> numbers{};
     std::vector<report::ResultTable> tables{};
     std::vector<report::Panel> panels{};
-    std::string notes{};  ///< for people, under the tables
+    std::string notes{};  ///< for display, below the tables
 };
 
 struct PaperItem {
     const char* paper;  ///< "A"
     const char* name;   ///< as in data/papers.toml
     const char* what;   ///< one line
-    std::size_t runs;   ///< of a Monte Carlo item, unless asked otherwise; 0: it is none
-    double seconds;     ///< it takes on two cores, about; of a Monte Carlo item: a run
+    std::size_t runs;   ///< of a Monte Carlo item, unless specified otherwise; 0: not a Monte Carlo item
+    double seconds;     ///< approximate duration on two cores; for a Monte Carlo item: of one run
     PaperResult (*make)(const PaperWork&);
 };
 
@@ -50,7 +50,7 @@ struct PaperItem {
 [[nodiscard]] std::vector<PaperItem> paper_e_items();
 [[nodiscard]] std::vector<PaperItem> paper_e_laboratory();
 
-/// An embedded scenario with further settings over it. @throws Error
+/// An embedded scenario with additional settings. @throws Error
 [[nodiscard]] settings::ScenarioConfig paper_scenario(std::string_view file, std::uint64_t seed,
                                                       const settings::SettingList& over = {});
 

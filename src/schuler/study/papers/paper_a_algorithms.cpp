@@ -36,7 +36,7 @@ double angle_between(const Matrix3d& a, const Matrix3d& b) {
     return math::rotation_vector_from_quaternion(Quaterniond(a * b.transpose()).normalized()).norm();
 }
 
-/// (1.3.5) with the signs as they are printed.
+/// (1.3.5) with the printed signs.
 Quaterniond printed_picard(const Quaterniond& q, const Vector3d& b) {
     const double e = 1.0 - b.squaredNorm() / 8.0;
     return {q.w() * e - 0.5 * (q.x() * b.x() + q.y() * b.y() + q.z() * b.z()),
@@ -45,7 +45,7 @@ Quaterniond printed_picard(const Quaterniond& q, const Vector3d& b) {
             q.z() * e - 0.5 * (q.y() * b.x() + q.x() * b.y() + q.w() * b.z())};
 }
 
-/// An algorithm on the flight: how far off it is, and its matrix from orthogonal.
+/// An algorithm on the flight: its error, and the deviation of its matrix from orthogonality.
 struct Flown {
     std::string name;
     double largest = 0.0, last = 0.0, defect = 0.0;  ///< rad, rad, of B^T B - I
@@ -103,7 +103,7 @@ std::vector<Flown> fly(double rate) {
     return {out.begin(), out.end()};
 }
 
-/// Largest of the quaternion pair's error over a coning motion of 1 deg at 2 Hz, 10 s: where the order of the method shows.
+/// Largest error of the quaternion pair over a coning motion of 1 deg at 2 Hz, 10 s: reveals the order of the method.
 double coning_error(double rate) {
     constexpr double half = 1.0 * units::deg, w = 2.0 * 2.0 * std::numbers::pi;
     const auto attitude = [&](double t) {
@@ -114,7 +114,7 @@ double coning_error(double rate) {
     const double dt = 1.0 / rate;
     const auto steps = static_cast<long>(10.0 * rate);
     for (long k = 0; k < steps; ++k) {
-        // what integrating gyros give: the rate integrated over the step, not the rotation vector
+        // output of integrating gyros: the rate integrated over the step, not the rotation vector
         Vector3d beta = Vector3d::Zero();
         constexpr int parts = 64;
         for (int i = 0; i < parts; ++i) {
@@ -156,7 +156,7 @@ PaperResult attitude(const PaperWork&) {
     out.numbers.emplace_back("local error", (one.vec() - exact.vec()).norm() / std::pow(beta.norm(), 3.0));
     out.numbers.emplace_back("order", std::log2(coning_error(50.0) / coning_error(100.0)));
 
-    // one second of the flight with the signs as printed
+    // one second of the flight with the printed signs
     const earth::Earth earth;
     const auto path = sim::make_path(sim::PaperAPath{}, earth.ellipsoid);
     Vector3d rpy = path->at(150.0).rpy;
@@ -186,7 +186,7 @@ PaperResult series(const PaperWork&) {
     } m;
     const earth::PaperAGravity p;
     constexpr double a = 6378388.0, f = 1.0 / 297.0, e2 = f * (2.0 - f);
-    // Normal gravity of 1930 with free air of the second order: what the series stand for.
+    // Normal gravity of 1930 with second-order free air: the quantity represented by the series.
     const auto reference = [&](double s2, double h) {
         const double g0 = 9.78049 * (1.0 + 0.0052884 * s2 - 0.0000059 * 4.0 * s2 * (1.0 - s2));
         const double mm = 7.292115e-5 * 7.292115e-5 * a * a * a * (1.0 - f) / 3.986004418e14;
@@ -276,7 +276,7 @@ PaperResult estimators(const PaperWork& w) {
         kalman += k.x * k.x;
         recursive = std::max(recursive, std::abs(r.mean - y.mean()));
         alike += std::pow(estim::maximum_likelihood(A, z, same).x(0) - estim::least_squares(A, z).x(0), 2.0);
-        // a parameter that walks by 0.1 a measurement
+        // a parameter that walks by 0.1 per measurement
         estim::RecursiveMean slow;
         estim::ScalarKalman quick{0.0, 1e12, 0.01, 1.0};
         double truth = 0.0;

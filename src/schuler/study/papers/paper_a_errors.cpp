@@ -60,7 +60,7 @@ report::Panel panel_of(const std::string& title, const Followed& f) {
                 paper_curve("distance", f.minutes, f.distance, report::Ink::Muted, report::Mark::Dashed)};
     return p;
 }
-/// Of the pendulum, min.
+/// Period of the pendulum, min.
 double period() { return 2.0 * std::numbers::pi / Pendulum{}.frequency() / 60.0; }
 double end_of(const ConstantErrors& c, double seconds) { return followed(Vector9::Zero(), c, seconds).distance.back(); }
 
@@ -115,7 +115,7 @@ PaperResult figure_414(const PaperWork&) {
     const Followed sum = followed(with(a_n, -1e-3), both, hours);
     const Followed first = followed(Vector9::Zero(), accel, 5064.0);
     const auto at = [](const Followed& f, double minutes) {
-        double largest = 0.0;  // what it has reached in the Schuler period before
+        double largest = 0.0;  // largest value in the Schuler period before
         for (std::size_t i = 0; i < f.minutes.size(); ++i)
             if (f.minutes[i] <= minutes && f.minutes[i] > minutes - 84.4) largest = std::max(largest, f.distance[i]);
         return largest;
@@ -160,7 +160,7 @@ PaperResult requirements(const PaperWork&) {
         if (std::abs(used - budget) > std::abs(accel_used - budget)) accel_used = used;
         if (std::abs(p.from_gyro(r.gyro, t) - budget) > std::abs(gyro_used - budget)) gyro_used = p.from_gyro(r.gyro, t);
     }
-    // within half a period the outage's end is the worst; beyond, the half period
+    // within half a period the end of the outage is the worst case; beyond, the half period
     double used = 0.0;
     const double half = std::numbers::pi / p.frequency();
     const Requirement hour = requirement(p, budget, 3600.0);

@@ -80,7 +80,7 @@ PaperResult figure_421(const PaperWork&) {
     out.numbers = {{"latitude", f.latitude}, {"longitude", f.longitude}, {"mean height", f.mean_height}, {"height amplitude", f.height_amplitude},
                    {"latitude amplitude", f.latitude_amplitude}, {"longitude rate", f.longitude_rate}, {"period", f.period}};
     // clang-format on
-    // Seen from the south-west, 25 deg above the horizon; heights three times as large.
+    // Viewed from the south-west, 25 deg above the horizon; heights magnified by three.
     const auto seen = [&](double stretch) {
         report::Series s;
         const double azimuth = 35.0 * units::deg, tilt = 25.0 * units::deg;
@@ -143,7 +143,7 @@ void add_block(PaperResult& out, const ResultBundle& b, std::size_t block, const
         out.panels.push_back(std::move(p));
     }
 }
-/// Bands of three sigma of the solution about the panels of the first block.
+/// Three-sigma bands of the solution in the panels of the first block.
 void add_bands(PaperResult& out, const ResultBundle& b, Vector3d analysis::ErrorRow::*sigma, const Vector3d& si) {
     for (int axis = 0; axis < 3; ++axis) {
         report::Band band{"three sigma", {}, {}, {}, report::Ink::Sky};

@@ -103,7 +103,7 @@ PaperResult table_111(const PaperWork& w) {
 
 // --- table 1.2.1 ---
 
-/// Median of the time to find the fourth of eight satellites, each searched for in a channel of its own anywhere in the window, s.
+/// Median time to find the fourth of eight satellites, each searched in a separate channel anywhere in the window, s.
 double start_time(const receiver::SearchWindow& window, std::uint64_t seed) {
     const receiver::SignalStructure signal = receiver::gps_l1_ca();
     const receiver::CorrelatorModel model(receiver::CorrelationPeak(signal.chip_rate), 0.5);

@@ -1,4 +1,4 @@
-// Paper B: does a disturbed magnetometer tilt the horizon? The same noise with and without the disturbance.
+// Paper B: effect of a disturbed magnetometer on the tilt. The same noise with and without the disturbance.
 #include "schuler/ahrs/dcm_filter.h"
 #include "schuler/ahrs/mekf.h"
 #include "schuler/ahrs/quaternion_filter.h"
@@ -38,7 +38,7 @@ Eigen::Quaterniond attitude_at(bool moving, double t) {
                                       60.0 * units::deg * std::sin(tau * t / 23.0)});
 }
 
-/// The sensors of math.md 3.5; from 60 to 120 s the horizontal field is turned by 20 deg and the vertical one changed by 10000 nT.
+/// The sensors of math.md 3.5; from 60 to 120 s the horizontal field is rotated by 20 deg, the vertical one changed by 10000 nT.
 std::vector<Sample> simulated(bool moving, bool disturbed, std::uint64_t seed) {
     math::Random gyro(seed, "gyro"), accel(seed, "accel"), field(seed, "field");
     const Vector3d bias = Vector3d(0.02, -0.03, 0.02) * units::deg_per_s;
@@ -98,7 +98,7 @@ Change change_of(const Filter& filter, bool moving, std::uint64_t seed) {
     return c;
 }
 
-/// Noises of math.md 3.5: measurement covariances a hundred times those of the sensors.
+/// Noise of math.md 3.5: measurement covariances a hundred times those of the sensors.
 ahrs::VectorFilterSettings settings_of(Separation separation) {
     ahrs::VectorFilterSettings s;
     s.gyro_noise = 0.01 * units::deg;

@@ -18,7 +18,7 @@ using namespace theory;
 constexpr std::array<const char*, 4> sets{"", "I", "II", "III"};
 constexpr std::array<const char*, 6> error_names{"dv N, m/s", "dv H, m/s", "dv E, m/s", "dH, m", "dphi, rad", "dlambda, rad"};
 
-/// In the paper's convention: amplitudes with the sign that is printed, phases with it, metres of longitude without sign.
+/// In the paper's convention: amplitudes with the printed sign, phases accordingly, metres of longitude without sign.
 double as_printed(const PaperEntry& e, const std::string& printed_amplitude) {
     const bool negative = printed_amplitude.starts_with("-");
     if (e.quantity.starts_with("amplitude")) return negative ? -e.right : e.right;
@@ -85,7 +85,7 @@ PaperResult section_5(const PaperWork&) {
     return out;
 }
 
-/// (22) literally: in row 2 the factor before the trigonometric terms is missing.
+/// (22) literally: in row 2 the factor of the trigonometric terms is missing.
 Matrix6 printed_transition(const EquatorFlight& flight, double t) {
     Matrix6 P = flight.transition(t);
     const EquatorConstants& c = flight.constants();

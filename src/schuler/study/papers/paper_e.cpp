@@ -24,7 +24,7 @@ GravityBundle surveyed(std::string_view file, std::uint64_t seed, const settings
     return gravity_of_scenario(paper_scenario(file, seed, over), {}, unheard);
 }
 
-/// Over time: error and sigma of the vertical disturbance of the filter, mGal, up.
+/// Error and sigma of the filter's vertical disturbance over time, mGal, up.
 struct Course {
     std::vector<double> t, error, sigma;
 };
@@ -99,7 +99,7 @@ PaperResult figure_3(const PaperWork& w) {
     return out;
 }
 
-/// Accelerometer noise of 5e-5 m/s^2 with a correlation time, and white one of 1e-4 m/s^2 a sample.
+/// Accelerometer noise of 5e-5 m/s^2 with a correlation time, and white noise of 1e-4 m/s^2 per sample.
 PaperResult coloured(const PaperWork& w) {
     struct Kind {
         const char* key;
@@ -162,7 +162,7 @@ PaperResult coloured(const PaperWork& w) {
 GravityResponse response(const char* speed_of, std::uint64_t seed) {
     settings::SettingList over;
     if (std::string_view(speed_of) == "1 m/s") {
-        // the same field in time: lengths a tenth
+        // the same field as a function of time: lengths divided by ten
         const auto part = [](const char* kind, double e, double n, double u, double length) {
             settings::ValueTable t{{"kind", {std::string(kind)}}, {"size_mgal", {settings::ValueList{{e}, {n}, {u}}}}};
             if (length > 0.0) t.emplace_back("length_m", settings::Value{length});

@@ -104,7 +104,7 @@ PaperResult figure_6(const PaperWork& w) {
     return out;
 }
 
-/// The filter restarted for each interval, as the paper did, on the laboratory's noise.
+/// The filter restarted for each interval, as in the paper, with the laboratory's noise.
 PaperResult figure_7(const PaperWork& w) {
     struct One {
         double first = 0, second = 0;

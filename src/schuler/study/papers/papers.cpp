@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// An item with what it gave beside what is printed.
+/// An item with its results and the printed numbers.
 struct Row {
     const PrintedValue* printed;
     double ours;
@@ -33,7 +33,7 @@ struct Made {
     std::vector<Row> rows;
 };
 
-/// As it stands in the paper, with what kind of statement it is.
+/// The number as printed, with the kind of statement.
 std::string statement_of(const PrintedValue& v) {
     switch (v.kind) {
         case PrintedValue::Kind::AtMost: return "<= " + v.printed;
@@ -50,7 +50,7 @@ std::string share_of(const Row& r) {
     return printed == 0.0 ? short_number(difference, 3) : fmt::format("{:+.2g} %", 100.0 * difference / std::abs(printed));
 }
 
-/// What is printed beside what is made, for people, pages and comparison.csv.
+/// Comparison of printed numbers and results, for display, pages and comparison.csv.
 report::ResultTable comparison_of(const Made& m) {
     report::ResultTable table{"",
                               {{"key", ""},
@@ -117,7 +117,7 @@ report::Json json_of(const Made& m) {
             {"place", m.printed->place}, {"runs", m.runs},       {"rows", rows},         {"plots", plots}};
 }
 
-/// Every curve, a point a line; where a curve is broken, a line without y.
+/// All curves, one point per line; a break in a curve is a line without y.
 std::string curves_csv_of(const Made& m) {
     std::string out = "plot,curve,x,y\n";
     for (const report::Panel& p : m.result.panels)
@@ -245,7 +245,7 @@ report::Outcome make_paper(const PaperRequest& request) {
             write_made(m, request.item == "all" ? request.output / item.name : request.output, request.version, out);
         }
     }
-    if (all.empty()) static_cast<void>(printed_item(request.paper, request.item));  // says which there are
+    if (all.empty()) static_cast<void>(printed_item(request.paper, request.item));  // the error lists the existing ones
     out.usable = differing == 0;
     out.verdict = request.item == "all" ? (differing == 0 ? "every printed number agrees or is explained"
                                                           : fmt::format("{} printed numbers are not reached", differing))

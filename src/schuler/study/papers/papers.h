@@ -1,4 +1,4 @@
-// `schuler paper`: the tables and figures of the five papers, ours beside the printed.
+// `schuler paper`: the tables and figures of the five papers, our results compared with the printed ones.
 #pragma once
 
 #include "schuler/report/outcome.h"
@@ -14,9 +14,9 @@ namespace schuler::study {
 
 struct PaperRequest {
     std::string paper;             ///< A to E
-    std::string item;              ///< empty: list them; "all": those that are no Monte Carlo campaigns
-    std::filesystem::path output;  ///< folder; empty: nothing is written
-    int runs = 0;                  ///< 0: as the item has it
+    std::string item;              ///< empty: list them; "all": all except Monte Carlo campaigns
+    std::filesystem::path output;  ///< folder; empty: no files are written
+    int runs = 0;                  ///< 0: the default of the item
     std::uint64_t seed = 1;
     int jobs = 0;
     std::string version;
@@ -26,8 +26,8 @@ struct PaperRequest {
 /// In the order of the papers.
 [[nodiscard]] const std::vector<PaperItem>& paper_items();
 
-/// The list of a paper's items, or the item made: comparison, tables; with a folder report.html, comparison.csv, curves.csv and
-/// summary.json. Not usable where a printed number is not reached and nothing explains it. @throws Error
+/// The list of a paper's items, or the processed item: comparison, tables; with a folder report.html, comparison.csv, curves.csv
+/// and summary.json. Not usable if a printed number is neither reproduced nor explained. @throws Error
 [[nodiscard]] report::Outcome make_paper(const PaperRequest& request);
 
 }  // namespace schuler::study

@@ -79,7 +79,7 @@ double half_unit_of(const std::string& printed) {
     return printed.starts_with("pi") ? 0.0 : theory::printed_number(printed).half_unit;
 }
 
-/// How far a number of ours may lie off this one.
+/// Permitted deviation of our number from this one.
 double room_about(const std::string& number, const std::optional<double>& tolerance) {
     const double x = std::abs(number_of(number));
     if (!tolerance) return half_unit_of(number) * (1.0 + 1e-9);
@@ -98,7 +98,7 @@ bool holds(const PrintedValue& v, double ours) {
             return ours >= printed - room && ours <= number_of(v.to) + room_about(v.to, v.tolerance.value_or(rounding));
         case PrintedValue::Kind::Equal: break;
     }
-    // A printed zero that stands beside a right number is exact: "no influence".
+    // A printed zero with a correct number is exact: "no influence".
     if (printed == 0.0 && !v.right.empty()) return std::abs(ours) <= (number_of(v.right) == 0.0 ? room : 0.0);
     return std::abs(ours - printed) <= room;
 }

@@ -1,4 +1,4 @@
-// What the papers print, from data/papers.toml, and whether a number of ours agrees with it.
+// Printed numbers of the papers, from data/papers.toml, and their agreement with our results.
 #pragma once
 
 #include <optional>
@@ -12,12 +12,12 @@ namespace schuler::study {
 struct PrintedValue {
     enum class Kind { Equal, AtMost, AtLeast, Between };
     std::string key, quantity, unit;
-    std::string printed, to;  ///< as it stands in the paper; `to`: the upper end of Between
+    std::string printed, to;  ///< as in the paper; `to`: the upper end of Between
     Kind kind = Kind::Equal;
-    std::optional<double> tolerance;  ///< share of the number, or the number itself where that is 0; otherwise its printed digits
-    std::string right;                ///< what the checked equations give where the printed number cannot be reached; or empty
-    bool misprint = false;            ///< the paper is wrong; otherwise it says too little
-    std::string remark;               ///< why
+    std::optional<double> tolerance;  ///< fraction of the number, or absolute if that is 0; otherwise from its printed digits
+    std::string right;                ///< result of the verified equations if the printed number cannot be reproduced; or empty
+    bool misprint = false;            ///< the paper is wrong; otherwise it is incomplete
+    std::string remark;               ///< the reason
 };
 
 /// A table or figure of a paper.
@@ -28,15 +28,15 @@ struct PrintedItem {
 
 /// All items, in the order of the papers.
 [[nodiscard]] const std::vector<PrintedItem>& printed_items();
-/// @throws Error(Input) naming what of the text cannot be used.
+/// @throws Error(Input) that names the invalid part of the text.
 [[nodiscard]] std::vector<PrintedItem> printed_items_from(std::string_view toml, const std::string& origin);
-/// @throws Error(Input) with those that there are.
+/// @throws Error(Input) that lists the existing ones.
 [[nodiscard]] const PrintedItem& printed_item(std::string_view paper, std::string_view name);
 
 enum class Agreement {
     Agrees,     ///< with the printed number
-    Misprint,   ///< not with it, but with the right one: the paper is wrong
-    Explained,  ///< likewise, but the paper says too little to be wrong
+    Misprint,   ///< differs from it, but agrees with the correct one: the paper is wrong
+    Explained,  ///< likewise, but the paper is incomplete rather than wrong
     Differs
 };
 [[nodiscard]] const char* name_of(Agreement agreement);
@@ -45,7 +45,7 @@ enum class Agreement {
 /// "1.2e-3", "pi/2".
 [[nodiscard]] double number_of(const std::string& printed);
 
-/// A file in the program itself: data/papers.toml and the scenarios that the items are made of. @throws Error(Input)
+/// A file embedded in the program: data/papers.toml and the scenarios of the items. @throws Error(Input)
 [[nodiscard]] std::string_view embedded_file(std::string_view name);
 
 }  // namespace schuler::study

@@ -1,4 +1,4 @@
-// The commands `schuler analyze ...`: theory as a tool. No printing; the doors show what these return.
+// The commands `schuler analyze ...`: theory as a tool. No printing; the interfaces display the returned result.
 #pragma once
 
 #include "schuler/report/outcome.h"
@@ -12,15 +12,15 @@
 
 namespace schuler::study {
 
-/// `analyze equator`: SI units and radians but for the latitude.
+/// `analyze equator`: SI units and radians except for the latitude.
 struct EquatorRequest {
     double speed = 0.0, height = 0.0, time = 3600.0;
     theory::Vector6 errors = theory::Vector6::Zero();        ///< initial, order of theory::EquatorError
     Eigen::Vector3d misalignment = Eigen::Vector3d::Zero();  ///< rad, about the pole, the start's meridian, east of it
     bool paper = false;
     bool compare = false;
-    double latitude_deg = 0.0, north_speed = 0.0, up_speed = 0.0;  ///< of a comparison away from the equator
-    bool ellipsoid = false;                                        ///< a comparison with the paper's e^2 instead of the sphere
+    double latitude_deg = 0.0, north_speed = 0.0, up_speed = 0.0;  ///< for a comparison away from the equator
+    bool ellipsoid = false;                                        ///< compare with the paper's e^2 instead of the sphere
     std::filesystem::path output;                                  ///< folder of the comparison's report; empty: out/equator
     std::string version;
 };

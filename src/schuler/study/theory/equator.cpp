@@ -20,8 +20,8 @@ using namespace theory;
 constexpr std::array names{"vn", "vh", "ve", "h", "phi", "lambda"};
 constexpr std::array labels{"north velocity, m/s", "up velocity, m/s", "east velocity, m/s",
                             "height, m",           "latitude, rad",    "longitude, rad"};
-constexpr int compared_samples = 720;  // of a comparison
-constexpr int shown_samples = 6;       // of them in tables
+constexpr int compared_samples = 720;  // number of samples in a comparison
+constexpr int shown_samples = 6;       // number of these in tables
 
 report::Json error_object(const Vector6& x) {
     report::Json out;
@@ -29,7 +29,7 @@ report::Json error_object(const Vector6& x) {
     return out;
 }
 
-/// A column an error, after the one that names the row.
+/// One column per error, after the row label.
 report::ResultTable table_of_errors(std::string title, std::string first) {
     report::ResultTable table{std::move(title), {{"", std::move(first)}}};
     for (std::size_t i = 0; i < 6; ++i) table.columns.push_back({names[i], names[i], "", ".6g"});
@@ -128,7 +128,7 @@ void add_paper(report::Outcome& out, report::Json& document) {
     document["paper"] = report::table_json(table);
 }
 
-/// Panels of one error: three solutions, and what they differ by.
+/// Panels of one error: three solutions, and their differences.
 void add_panels(report::Section& section, const std::vector<Comparison>& rows, const std::vector<Vector6>& analytic,
                 std::size_t i) {
     const auto at = static_cast<Eigen::Index>(i);

@@ -60,7 +60,7 @@ report::Json json_of(const Observability& o) {
     return {{"rank", o.rank}, {"states", o.states}, {"pivots", o.pivots}, {"next_pivot", o.next}, {"combinations", combinations}};
 }
 
-/// Paper E's cases and those that explain them.
+/// Paper E's cases and additional ones that explain them.
 report::Json papers_cases(const ObservabilityRequest& r, std::string& text) {
     struct Case {
         const char* name;

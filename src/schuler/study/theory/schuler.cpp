@@ -16,7 +16,7 @@ namespace {
 
 using namespace theory;
 
-/// Errors as shown: keys of JSON, headings and units of tables.
+/// Display of errors: keys of JSON, headings and units of tables.
 struct Shown {
     const char *key, *heading, *unit_name;
     LevelError index;
@@ -38,7 +38,7 @@ report::Json object(const Vector9& x) {
     for (const Shown& s : shown) out[s.key] = report::json_number(x(s.index) / s.unit);
     return out;
 }
-/// A column an error, after those that name the row.
+/// One column per error, after the row labels.
 report::ResultTable table_of_errors_shown(std::string title, std::vector<report::TableColumn> first) {
     report::ResultTable table{std::move(title), std::move(first)};
     for (const Shown& e : shown) table.columns.push_back({e.key, e.heading, e.unit_name, ".5g"});
@@ -58,7 +58,7 @@ std::string duration(double seconds) {
 double period_of(const Mode& m) {
     return m.root.imag() > 0.0 ? 2.0 * std::numbers::pi / m.root.imag() : std::numeric_limits<double>::quiet_NaN();
 }
-/// Time in which the mode grows or decays e-fold; none where that takes longer than a month.
+/// Time in which the mode grows or decays e-fold; none if longer than a month.
 double e_fold_of(const Mode& m) {
     return std::abs(m.root.real()) > 4e-7 ? 1.0 / m.root.real() : std::numeric_limits<double>::quiet_NaN();
 }
@@ -122,7 +122,7 @@ report::Json vertical_json(const LevelAnalysis& analysis) {
     return out;
 }
 
-/// A case of paper A, section 4.1: what it says, the pendulum and the whole model.
+/// A case of paper A, section 4.1: its statement, the pendulum and the complete model.
 struct Case {
     const char* what;
     const char* paper;
@@ -130,7 +130,7 @@ struct Case {
     double whole;
 };
 
-/// Distance of the whole model: after an hour, or the largest within a Schuler period.
+/// Distance in the complete model: after an hour, or the largest within a Schuler period.
 double distance(const LevelFlight& f, const Vector9& x, const ConstantErrors& constant, double t, bool largest) {
     double out = 0.0;
     for (const ErrorsAt& e : LevelAnalysis(f, x, constant).history(t, samples)) {

@@ -1,4 +1,4 @@
-// Paper D's experiments as a table beside the reference simulation of math.md 5.5.
+// Paper D's experiments as a table compared with the reference simulation of math.md 5.5.
 #include "schuler/core/parallel.h"
 #include "schuler/report/inner/json.h"
 #include "schuler/report/outcome.h"
@@ -17,7 +17,7 @@
 namespace schuler::study {
 namespace {
 
-/// Horizontal errors of a case second by second, root mean square over the runs, m.
+/// Horizontal errors of a case by second, root mean square over the runs, m.
 struct CovarianceCourse {
     std::vector<double> observed = std::vector<double>(triad_epochs), predicted = std::vector<double>(triad_epochs);
 };
@@ -55,7 +55,7 @@ Done finished(const TriadCase& which, const std::vector<TriadRun>& runs) {
     return d;
 }
 
-/// Difference from the reference in standard errors of both; the reference scatters like one set of 48 runs.
+/// Difference from the reference in combined standard errors; the reference has the scatter of one set of 48 runs.
 double deviation(const Done& d) {
     return d.which.reference ? (d.statistics.pooled - d.which.reference->pooled) / std::hypot(d.one_set, d.standard_error)
                              : not_given;
@@ -65,7 +65,7 @@ double reference_of(const Done& d, double TriadReference::*field) {
     return d.which.reference ? (*d.which.reference).*field : not_given;
 }
 
-/// For people, and triad.csv.
+/// For display, and triad.csv.
 report::ResultTable table_of_cases(std::string title, const std::vector<Done>& all) {
     using report::Cell;
     // clang-format off
@@ -114,7 +114,7 @@ report::Json json_of(const Done& d) {
     return row;
 }
 
-/// Cases c and e with the same instruments, at 600 s.
+/// Ratio of cases c and e with the same instruments, at 600 s.
 double ratio_of(const std::vector<Done>& all) {
     for (const Done& c : all)
         for (const Done& e : all)

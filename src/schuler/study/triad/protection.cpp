@@ -29,7 +29,7 @@ constexpr double ramp_followed = 100.0, least_ramp = 0.1, most_ramp = 5.0;      
 
 double followed_for(FaultKind kind) { return kind.ramp ? ramp_followed : followed; }
 
-/// Draws the faults and puts them into the ranges.
+/// Draws the faults and injects them into the ranges.
 void inject(ProtectionTrial& trial, RangingLog& log, Time origin, math::Random& random, FaultKind kind) {
     trial.start = std::floor(earliest + scatter * random.uniform());
     const auto first =
@@ -54,7 +54,7 @@ void inject(ProtectionTrial& trial, RangingLog& log, Time origin, math::Random& 
     }
 }
 
-/// One epoch with the errors and levels, horizontal and vertical.
+/// Evaluates one epoch with the errors and levels, horizontal and vertical.
 void judge(ProtectionTrial& trial, double t, const std::array<double, 2>& error, const fusion::ProtectionRow& row) {
     if (t < trial.start) {
         trial.alarm_before = trial.alarm_before || row.alarm >= 0;
@@ -75,13 +75,13 @@ void judge(ProtectionTrial& trial, double t, const std::array<double, 2>& error,
     }
 }
 
-/// Events in trials.
+/// Number of events in trials.
 struct Share {
-    const char *key, *title;  ///< without a key: for people alone
+    const char *key, *title;  ///< without a key: for display only
     std::size_t events = 0, trials = 0;
 };
 
-/// With the bounds of the shares.
+/// With confidence bounds of the fractions.
 report::ResultTable table_of_shares(std::string title, std::span<const Share> shares) {
     report::ResultTable table{std::move(title),
                               {{"", "faults and flights"},

@@ -1,4 +1,4 @@
-// Faults injected into the ranges of the triad's flights, against alarms and protection levels of the tight filter.
+// Faults injected into the ranges of the triad's flights, compared with alarms and protection levels of the tight filter.
 #pragma once
 
 #include "schuler/filter/ranging_settings.h"
@@ -14,29 +14,29 @@
 
 namespace schuler::study {
 
-/// What is drawn: a fault in one satellite or in two, constant from a moment on or growing steadily from it on.
+/// Kind of fault: in one satellite or in two, constant from an instant on or growing linearly from it.
 struct FaultKind {
     bool twice = false, ramp = false;
 };
 
-/// One flight with a fault in one or two satellites' pseudoranges from a random moment on.
+/// One flight with a fault in one or two satellites' pseudoranges from a random instant on.
 struct ProtectionTrial {
-    std::array<double, 2> size{0.0, 0.0};   ///< m, of a ramp m/s; 0: no fault there
-    std::array<int, 2> satellite{-1, -1};   ///< places in the list of sources
+    std::array<double, 2> size{0.0, 0.0};   ///< m, for a ramp m/s; 0: no fault there
+    std::array<int, 2> satellite{-1, -1};   ///< indices in the list of sources
     double start = 0.0;                     ///< s of the flight, of the fault
     bool alarm_before = false;              ///< without a fault: a false alarm
-    bool alarm = false, right = false;      ///< from the fault on; at least one alarm names a faulty satellite
+    bool alarm = false, right = false;      ///< from the fault on; at least one alarm identifies a faulty satellite
     double time_to_alarm = 0.0;             ///< s
-    bool excluded = false;                  ///< the test of single epochs left ranges out within 3 s of the fault
-    std::array<int, 2> misleading{0, 0};    ///< epochs with an error above its level and no alarm yet: horizontal, vertical
+    bool excluded = false;                  ///< the single-epoch test excluded ranges within 3 s of the fault
+    std::array<int, 2> misleading{0, 0};    ///< epochs with an error above its level before any alarm: horizontal, vertical
     std::array<int, 2> late{0, 0};          ///< likewise after an alarm
-    int epochs = 0, epochs_before = 0;      ///< judged with and without a fault
+    int epochs = 0, epochs_before = 0;      ///< evaluated with and without a fault
     std::array<double, 2> level{0.0, 0.0};  ///< m, root mean square of the levels after the fault, horizontal, vertical
-    std::array<double, 2> worst{0.0, 0.0};  ///< largest error over its level, no alarm yet
+    std::array<double, 2> worst{0.0, 0.0};  ///< largest ratio of error to level before any alarm
 };
 
-/// Trial j: geometry j mod 48 of paper D's scenario with all satellites in view (math.md 5.4), its own noise, a fault of random sign and of a
-/// size uniform over 2 to 60 m (or two of them) after 90 to 110 s, followed for 40 s; of a ramp 0.1 to 5 m/s, uniform in the logarithm, 100 s.
+/// Trial j: geometry j mod 48 of paper D's scenario with all satellites in view (math.md 5.4), own noise, a fault of random sign and
+/// of size uniform over 2 to 60 m (or two of them) after 90 to 110 s, followed for 40 s; for a ramp 0.1 to 5 m/s, log-uniform, 100 s.
 [[nodiscard]] ProtectionTrial run_protection_trial(std::size_t j, std::uint64_t seed, FaultKind kind,
                                                    const fusion::ProtectionSettings& settings);
 
@@ -50,7 +50,7 @@ struct ProtectionRequest {
     std::filesystem::path output;  ///< folder of trials.csv; empty: none
     std::function<void(double)> progress;
 };
-/// Missed detections and false alarms with 95 % bounds beside the stated risk.
+/// Missed detections and false alarms with 95 % bounds compared with the stated risk.
 [[nodiscard]] report::Outcome analyze_protection(const ProtectionRequest& request);
 
 }  // namespace schuler::study

@@ -45,7 +45,7 @@ sensor::RangingErrorModel range_errors_of(const TriadCase& which) {
     return m;
 }
 
-/// Everything random of one run comes from one seed.
+/// All random quantities of one run come from one seed.
 std::uint64_t seed_of(std::size_t k, std::uint64_t seed) { return 1000 * seed + k + 1; }
 
 sim::Scenario flight_of(const TriadCase& which, std::size_t k, std::uint64_t seed, double duration) {
@@ -68,7 +68,7 @@ sim::Scenario flight_of(const TriadCase& which, std::size_t k, std::uint64_t see
     return s;
 }
 
-/// Distances, azimuths and heights about the ground point under the aircraft 480 s after take-off of the clock.
+/// Distances, azimuths and heights relative to the ground point below the aircraft 480 s after the start of the clock.
 std::vector<sim::GroundStation> stations_about(const Geodetic& middle, const earth::Earth& earth, std::size_t count) {
     constexpr double table[4][3] = {{90e3, 20, 300}, {120e3, 110, 800}, {150e3, 200, 200}, {180e3, 290, 500}};
     std::vector<sim::GroundStation> out;

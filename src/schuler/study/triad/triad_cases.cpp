@@ -1,4 +1,4 @@
-// The cases of math.md 5.5 with its figures: 48 runs of an independent simulation.
+// The cases of math.md 5.5 with their results: 48 runs of an independent simulation.
 #include "schuler/study/triad/triad.h"
 
 #include <algorithm>
@@ -30,7 +30,7 @@ struct CaseRow {
     double station_white, station_correlated, network;  ///< m
     TriadReference reference;
 };
-/// Figures in the order of TriadReference.
+/// Results in the order of TriadReference.
 constexpr auto rows = std::to_array<CaseRow>({
     {'a', " nav", false, false, 30, 10, 5, 10, {2.393, 2.614, 3.372, 3.493, 2.322, 0.984, 1.010}},
     {'a', " tac", true, false, 30, 10, 5, 10, {2.399, 2.626, 3.375, 3.5, 2.332, 0.979, 1.046}},

@@ -1,4 +1,4 @@
-// What many runs of the triad say together, and how surely.
+// Combined statistics of many runs of the triad, and their accuracy.
 #include "schuler/study/triad/triad.h"
 
 #include "schuler/math/quantile.h"
@@ -10,7 +10,7 @@
 namespace schuler::study {
 namespace {
 
-constexpr std::size_t from = 300, step = 10;  // s after the loss; the reference counts its errors at the same instants
+constexpr std::size_t from = 300, step = 10;  // s after the loss; the reference evaluates its errors at the same instants
 constexpr std::size_t instants = (triad_epochs - from - 1) / step + 1;
 
 }  // namespace
@@ -74,7 +74,7 @@ double standard_error_of_a_set(const std::vector<TriadRun>& runs) {
         sum += std::sqrt(mean) / draws;
         sum_of_squares += mean / draws;
     }
-    // drawing from few runs of a geometry scatters less than the geometry does
+    // drawing from few runs of a geometry scatters less than the geometry itself
     const double few = sets > 1 ? static_cast<double>(sets) / static_cast<double>(sets - 1) : 1.0;
     return std::sqrt(few * std::max(0.0, sum_of_squares - sum * sum));
 }

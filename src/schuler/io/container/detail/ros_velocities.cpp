@@ -15,9 +15,9 @@
 namespace schuler::io::detail {
 namespace {
 
-constexpr std::int64_t same_ns = 1'000'000;  // stamps of one epoch of a receiver
+constexpr std::int64_t same_ns = 1'000'000;  // tolerance for stamps of one epoch of a receiver
 
-/// The rows of a stream by time, whatever their order in the log.
+/// The rows of a stream by time, independent of their order in the log.
 class RowsByTime {
 public:
     explicit RowsByTime(const std::vector<std::int64_t>& time_ns) {
@@ -35,16 +35,16 @@ private:
     std::vector<Row> rows_;
 };
 
-/// Drivers of receivers give the velocity of a fix (east, north, up) as a twist of its own with the stamp of the fix. A vehicle's twist in its own
-/// axes may have such stamps as well: it does not fit the way that the fixes go.
+/// Receiver drivers publish the velocity of a fix (east, north, up) as a separate twist with the stamp of the fix. A vehicle's
+/// twist in its own axes may have such stamps as well: it does not agree with the track of the fixes.
 enum class Fit { None, Contradicts, Unclear, Fits };
 
 Fit fit_of(const Stream& gnss, const Stream& twist) {
     constexpr double least_share = 0.9, some = 0.2;  // of the fixes
     constexpr double longest_step = 2.5,
-                     span = 5.0;  // s: of the sum, and over which ways are compared: longer than the fixes' noise
-    constexpr double least_length = 20.0, at_rest = 0.3;  // m in all; m/s
-    constexpr double agrees = 0.3, contradicts = 0.7;     // 1 - cos of the angle between the ways
+                     span = 5.0;  // s: of the sum, and of the compared displacements: longer than the fixes' noise
+    constexpr double least_length = 20.0, at_rest = 0.3;  // m in total; m/s
+    constexpr double agrees = 0.3, contradicts = 0.7;     // 1 - cos of the angle between the displacements
     constexpr double radius = 6.378e6;
     const auto &lat = gnss.columns[0].values, &lon = gnss.columns[1].values;
     const auto &east = twist.columns[0].values, &north = twist.columns[1].values;

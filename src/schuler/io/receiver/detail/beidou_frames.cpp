@@ -1,4 +1,4 @@
-// Subframes of BeiDou: D1 of the medium and inclined orbits, D2 of the geostationary ones. Both send the same numbers, in two orders.
+// BeiDou subframes: D1 of the medium and inclined orbits, D2 of the geostationary ones. Same numbers in different order.
 #include "schuler/io/detail/broadcast_scales.h"
 #include "schuler/io/detail/ephemeris_checks.h"
 #include "schuler/io/receiver/detail/navigation_frames.h"
@@ -14,7 +14,7 @@ constexpr int week_wrap = 8192;
 
 int second_of(const std::string& frame) { return static_cast<int>(Bits(frame).at(second_at, 20)); }
 
-/// Whether parts were sent one after the other, `step` seconds apart.
+/// True if parts were transmitted consecutively, `step` seconds apart.
 bool in_one_go(std::span<const std::string> parts, int step) {
     for (std::size_t i = 0; i < parts.size(); ++i) {
         if (parts[i].empty() || second_of(parts[i]) != second_of(parts[0]) + step * static_cast<int>(i)) return false;
@@ -22,7 +22,7 @@ bool in_one_go(std::span<const std::string> parts, int step) {
     return true;
 }
 
-/// What stands first in both messages: health to the group delays. The seconds of week of the clock's reference.
+/// Common start of both messages: health to the group delays. Returns the seconds of week of the clock reference.
 double clock_head(Bits& b, gnss::KeplerEphemeris& k, int& week) {
     k.health = b.integer(1);
     k.iodc = b.integer(5);
@@ -44,7 +44,7 @@ bool FrameCollector::beidou_subframe(gnss::SatelliteId satellite, const std::arr
     const std::size_t id = bits.at(number_at, 3), page = bits.at(page_at, 4);
     if (bits.at(0, 11) != preamble || id < 1 || id > 5) return false;
     const bool d2 = gnss::is_geostationary_beidou(satellite);
-    // D2 sends ephemerides in the ten pages of subframe 1, D1 in subframes 1 to 3
+    // D2 transmits ephemerides in the ten pages of subframe 1, D1 in subframes 1 to 3
     if (d2 ? id != 1 || page < 1 || page > 10 : id > 3) return true;
     BeiDouFrames& frames = beidou_[satellite];
     frames.parts[(d2 ? page : id) - 1] = data.bytes();
@@ -85,7 +85,7 @@ void FrameCollector::beidou_d2(gnss::SatelliteId satellite, const BeiDouFrames& 
     one.seek(d2_data);
     int week = 0;
     const double toc = clock_head(one, k, week);
-    // pages 3 to 10 cut one row of numbers wherever a page is full: this is where each page's piece stands
+    // pages 3 to 10 divide one sequence of numbers at page boundaries: position of each page's piece
     struct Piece {
         std::size_t first, last;
     };

@@ -1,4 +1,4 @@
-// Pages of Galileo's I/NAV.
+// Galileo I/NAV pages.
 #include "schuler/io/detail/broadcast_scales.h"
 #include "schuler/io/detail/ephemeris_checks.h"
 #include "schuler/io/receiver/detail/navigation_frames.h"
@@ -12,9 +12,9 @@ bool FrameCollector::galileo_page(gnss::SatelliteId satellite, std::span<const s
     for (const std::uint32_t word : words.first<4>()) even.put(word, 32);
     for (const std::uint32_t word : words.last<4>()) odd.put(word, 32);
     const Bits e(even.bytes()), o(odd.bytes());
-    // nominal pages, even part first; the check covers 114 bits of the one and 82 of the other
+    // nominal pages, even part first; the check covers 114 bits of the first and 82 of the second
     if (e.at(0, 1) != 0 || o.at(0, 1) != 1) return false;
-    if (e.at(1, 1) != 0 || o.at(1, 1) != 0) return true;  // alert pages carry no ephemeris
+    if (e.at(1, 1) != 0 || o.at(1, 1) != 0) return true;  // alert pages contain no ephemeris
     BitWriter checked, data;
     checked.put(0, 4);  // to whole bytes
     checked.put(e, 0, 114);

@@ -1,4 +1,4 @@
-// Strings of GLONASS: the first four of a frame are the sender's own ephemeris.
+// GLONASS strings: the first four of a frame are the transmitting satellite's own ephemeris.
 #include "schuler/io/detail/broadcast_scales.h"
 #include "schuler/io/detail/ephemeris_checks.h"
 #include "schuler/io/receiver/detail/navigation_frames.h"
@@ -11,8 +11,8 @@ namespace {
 
 constexpr std::size_t string_bits = 85;
 
-/// Hamming's check of a string [GLONASSICD:4.7]: bits 9 to 85 take the places that are no powers of two, the seven check bits
-/// (1 to 7) those that are, and the eighth makes the number of ones even. The string stands with bit 85 first.
+/// Hamming check of a string [GLONASSICD:4.7]: bits 9 to 85 occupy the places that are not powers of two, the seven check bits (1
+/// to 7) those that are, and the eighth makes the number of ones even. The string starts with bit 85.
 bool fits_check_bits(const Bits& string) {
     const auto bit = [&](std::size_t number) { return static_cast<unsigned>(string.at(string_bits - number, 1)); };
     unsigned places = 0, ones = bit(8), check = 0, place = 2;
@@ -77,7 +77,7 @@ bool FrameCollector::glonass_string(gnss::SatelliteId satellite, const std::arra
     if (!fits_check_bits(bits)) return false;
     const std::size_t number = bits.at(1, 4);
     GlonassStrings& collected = glonass_[satellite];
-    // strings of another frame may be of another reference time
+    // strings of another frame may have another reference time
     if (collected.frame != words[3]) collected = {{}, words[3]};
     if (number < 1 || number > 4) return true;
     collected.strings[number - 1] = data.bytes();

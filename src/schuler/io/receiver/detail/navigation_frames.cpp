@@ -53,7 +53,7 @@ void FrameCollector::gps_ephemeris(gnss::SatelliteId satellite, const GpsFrames&
     orbit_plane(three, k);
     const int iode = three.integer(8);
     k.idot = angle(three, 14, -43);
-    // all three subframes of one upload
+    // all three subframes must be of one upload
     if (iode != k.iode || (k.iodc & 0xFF) != k.iode) return;
     const Time transmitted = from_week_count(satellite.system, week, 1024, sent, now);
     k.toc = nearest_in_week(toc, transmitted);

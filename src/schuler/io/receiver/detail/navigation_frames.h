@@ -1,4 +1,4 @@
-// Ephemerides from the frames that satellites send, subframe by subframe. Private to the readers.
+// Ephemerides assembled from transmitted frames, subframe by subframe. Private to the readers.
 #pragma once
 
 #include "schuler/gnss/ephemeris.h"
@@ -11,20 +11,20 @@
 
 namespace schuler::io::detail {
 
-/// Collects what satellites send piece by piece (GPS and QZSS LNAV, Galileo I/NAV, BeiDou D1 and D2, strings of GLONASS) until
-/// an ephemeris is complete and consistent; adds it where it is new. `now` is the receiver's time, within half of the broadcast week counters.
+/// Collects frames (GPS and QZSS LNAV, Galileo I/NAV, BeiDou D1 and D2, GLONASS strings) until an ephemeris is complete and
+/// consistent; adds it if new. `now` is the receiver's time, within half the range of the broadcast week counters.
 class FrameCollector {
 public:
     explicit FrameCollector(gnss::Navigation& navigation) : navigation_(navigation) {}
 
-    /// Ten words of 24 data bits, parity removed [ISGPS200:20.3.3]. False where the frame is none.
+    /// Ten words of 24 data bits, parity removed [ISGPS200:20.3.3]. False if the frame is invalid.
     bool gps_subframe(gnss::SatelliteId satellite, const std::array<std::uint32_t, 10>& words, Time now);
-    /// Even and odd page part of 120 bits each, left-aligned in four words of 32 bits [GalileoICD:4.3]. False where the check fails.
+    /// Even and odd page parts of 120 bits each, left-aligned in four words of 32 bits [GalileoICD:4.3]. False if the check fails.
     bool galileo_page(gnss::SatelliteId satellite, std::span<const std::uint32_t, 8> words, Time now);
-    /// Ten words of 30 bits, parity included [BeiDouICD:5.2, 5.3]. False where the frame is none.
+    /// Ten words of 30 bits, including parity [BeiDouICD:5.2, 5.3]. False if the frame is invalid.
     bool beidou_subframe(gnss::SatelliteId satellite, const std::array<std::uint32_t, 10>& words, Time now);
-    /// A string of 85 bits, left-aligned in three words of 32 bits; a fourth has the numbers of superframe and frame
-    /// [GLONASSICD:4.3]. False where its check bits do not fit. `channel` is the frequency number.
+    /// A string of 85 bits, left-aligned in three words of 32 bits; a fourth has the superframe and frame numbers
+    /// [GLONASSICD:4.3]. False if its check bits do not match. `channel` is the frequency number.
     bool glonass_string(gnss::SatelliteId satellite, const std::array<std::uint32_t, 4>& words, int channel, Time now);
 
 private:

@@ -18,7 +18,7 @@ int digit_of(char c) {
     return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
 }
 
-/// Numbers of the logs of raw measurements, by which ASCII and binary are read alike.
+/// Numbers of the logs of raw measurements, used for ASCII and binary alike.
 // clang-format off
 int id_of(std::string_view name) {
     static const std::map<std::string_view, int> ids = {{"GPSEPHEM", 7},        {"IONUTC", 8},          {"RAWEPHEM", 41},       {"RANGE", 43},
@@ -28,8 +28,8 @@ int id_of(std::string_view name) {
     return it == ids.end() ? 0 : it->second;
 }
 
-/// The star before the check sum that is that of all between the first character and it; npos: none. A log may hold another with its own star
-/// (RXCONFIG).
+/// The asterisk before the checksum of all bytes between it and the first character; npos: none. A log may contain another log
+/// with its own asterisk (RXCONFIG).
 std::size_t checked_star(std::string_view line) {
     constexpr std::size_t digits = 8;
     std::uint32_t crc = 0;
@@ -55,7 +55,7 @@ class Scanner {
 public:
     explicit Scanner(const std::function<bool(const NovatelMessage&)>& take) : take_(take) {}
 
-    /// Bytes of the log at the beginning; 0: damaged.
+    /// Size of the log at the beginning; 0: damaged.
     std::size_t binary(std::string_view b) {
         const bool is_short = b.starts_with(short_sync);
         if (b.size() < short_header + crc_size) return 0;
@@ -67,7 +67,7 @@ public:
         const unsigned form =
             is_short
                 ? 0U
-                : static_cast<unsigned char>(b[6]);  // bits 0 to 4: source of the measurements; bit 7: an answer to a command
+                : static_cast<unsigned char>(b[6]);  // bits 0 to 4: source of the measurements; bit 7: a response to a command
         if ((form & 0x80U) != 0) return used;
         message_.name = {};
         message_.cells.clear();
@@ -93,7 +93,7 @@ public:
         const std::size_t week_at = text[0] == '%' ? 1 : 5;
         if (header_.size() < week_at + 2) return used;
         message_.name = header_[0];
-        const std::size_t underline = message_.name.rfind('_');  // RANGEA_1 is of the second antenna
+        const std::size_t underline = message_.name.rfind('_');  // RANGEA_1 is from the second antenna
         message_.secondary =
             underline != std::string_view::npos && underline + 2 == message_.name.size() && message_.name.back() != '0';
         if (underline != std::string_view::npos && underline + 2 == message_.name.size())

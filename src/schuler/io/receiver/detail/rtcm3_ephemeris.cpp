@@ -11,7 +11,7 @@ namespace {
 using gnss::KeplerEphemeris;
 using gnss::System;
 
-/// The orbit with the reference time that stands between its halves, s.
+/// The orbit with the reference time between its halves, s.
 double orbit(Bits& b, KeplerEphemeris& k, std::size_t toe_bits, double toe_unit) {
     orbit_in_plane(b, k);
     const double toe = toe_unit * static_cast<double>(b.take(toe_bits));
@@ -19,7 +19,7 @@ double orbit(Bits& b, KeplerEphemeris& k, std::size_t toe_bits, double toe_unit)
     return toe;
 }
 
-/// Where week, toc and toe are all known.
+/// If week, toc and toe are all known.
 void date(KeplerEphemeris& k, int week, int wrap, Time now, double toc, double toe) {
     k.toc = from_week_count(k.satellite.system, week, wrap, toc, now);
     set_times(k, toe, toe);
@@ -132,7 +132,7 @@ gnss::GlonassEphemeris glonass(Bits& b, Time now) {
     return g;
 }
 
-/// Where a message has its count of weeks and the clock's reference time, in bits.
+/// Bit positions of the week count and the clock reference time in a message.
 struct DateFields {
     int number;
     System system;

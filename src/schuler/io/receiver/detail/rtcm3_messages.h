@@ -12,15 +12,15 @@ namespace schuler::io::detail {
 
 enum class Decoded { Used, Foreign, Damaged };
 
-/// Ephemeris of a message, added where it is new. `now` is within half a week.
+/// Ephemeris of a message, added if new. `now` is within half a week.
 [[nodiscard]] Decoded rtcm3_ephemeris(std::string_view payload, int number, Time now, gnss::Navigation& navigation);
 
-/// What an ephemeris tells about the date.
+/// Date information in an ephemeris.
 struct MessageDate {
-    Time reference;  ///< of its clock, in the last week of that count which is not after a given instant
-    int wrap = 0;    ///< weeks after which the count begins anew
+    Time reference;  ///< of its clock, in the last week of that count not after a given instant
+    int wrap = 0;    ///< number of weeks after which the count restarts
 };
-/// Nothing for messages that count no weeks.
+/// Empty for messages without a week count.
 [[nodiscard]] std::optional<MessageDate> rtcm3_date(std::string_view payload, int number, Time latest);
 
 /// Measurements of one multiple-signal message, and their instant.
@@ -28,9 +28,9 @@ struct MsmEpoch {
     Time time;
     bool more = false;  ///< further messages of the same instant follow
     std::vector<gnss::SignalObservation> observations;
-    std::vector<int> locks;  ///< lock time indicator of each, which grows while the phase is held
+    std::vector<int> locks;  ///< lock time indicator of each, which increases while the phase is continuous
 };
-/// Whether a message number is one of MSM4 to MSM7 of a known system.
+/// True if a message number is one of MSM4 to MSM7 of a known system.
 [[nodiscard]] bool is_msm(int number);
 [[nodiscard]] Decoded rtcm3_msm(std::string_view payload, int number, Time now, gnss::GlonassChannels& channels, MsmEpoch& out);
 

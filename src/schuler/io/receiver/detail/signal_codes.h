@@ -1,4 +1,4 @@
-// Numbers of signals in receivers' own protocols.
+// Signal numbers in receivers' own protocols.
 #pragma once
 
 #include "schuler/gnss/satellite.h"
@@ -9,14 +9,14 @@
 
 namespace schuler::io::detail {
 
-/// What a receiver's protocol means by a number, which each satellite system counts for itself.
+/// Meaning of a number in a receiver's protocol, which is specific to each satellite system.
 struct SignalCode {
     gnss::System system;
     unsigned number;
     gnss::Signal signal;
 };
 
-/// The signal of that number; none where the table does not have it.
+/// The signal of that number; none if not in the table.
 [[nodiscard]] inline std::optional<gnss::Signal> signal_of(std::span<const SignalCode> table, gnss::System system,
                                                            unsigned number) {
     const auto at = std::ranges::find_if(table, [&](const SignalCode& c) { return c.system == system && c.number == number; });

@@ -7,7 +7,7 @@
 
 namespace schuler::io::detail {
 
-/// A little-endian number of a payload whose length has been checked.
+/// A little-endian number of a payload with checked length.
 template <class Number>
 [[nodiscard]] Number number_at(std::string_view payload, std::size_t at) {
     Number value;

@@ -20,14 +20,14 @@ void add_type(SystemTypes& types, char kind, Signal signal) {
     types.types.push_back({used ? kind : ' ', used ? place : 0, 1.0});
 }
 
-/// B1I is band 2, which early files of version 3 call band 1.
+/// B1I is band 2, called band 1 in early version 3 files.
 Signal signal_from(System system, std::string_view code) {
     Signal s{code[1], code.size() > 2 ? code[2] : ' '};
     if (system == System::BeiDou && s.band == '1' && (s.attribute == 'I' || s.attribute == 'Q')) s.band = '2';
     return s;
 }
 
-/// Codes of version 2 tell less than those of version 3: which phase belongs to which code follows from the codes in the list.
+/// Codes of version 2 are less specific than those of version 3: the code belonging to a phase follows from the list.
 Signal signal_of_version2(System system, std::string_view code, const std::vector<std::string>& all) {
     const char band = code[1];
     const auto has = [&](std::string_view name) { return std::ranges::find(all, name) != all.end(); };

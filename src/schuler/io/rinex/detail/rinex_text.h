@@ -18,7 +18,7 @@ inline constexpr std::size_t label_column = 60;
     return line.size() >= label_column + label.size() && line.substr(label_column, label.size()) == label;
 }
 
-/// A right-aligned whole number; nothing where blank or damaged.
+/// A right-aligned integer; empty if blank or damaged.
 [[nodiscard]] inline std::optional<int> integer_in(std::string_view text) {
     text = trimmed(text);
     const bool minus = !text.empty() && text.front() == '-';
@@ -28,7 +28,7 @@ inline constexpr std::size_t label_column = 60;
     return minus ? -*value : *value;
 }
 
-/// A number with D, d, E or e before its exponent, 24 characters at most. NaN where there is none.
+/// A number with D, d, E or e before its exponent, at most 24 characters. NaN if there is none.
 [[nodiscard]] inline double real_in(std::string_view text) {
     text = trimmed(text);
     char copy[32];
@@ -38,7 +38,7 @@ inline constexpr std::size_t label_column = 60;
     return number_from({copy, n});
 }
 
-/// Calendar to GPS time; nothing for a date or time that does not exist. Seconds as decimal text.
+/// Calendar to GPS time; empty for a date or time that does not exist. Seconds as decimal text.
 [[nodiscard]] inline std::optional<Time> calendar_time(std::optional<int> year, std::optional<int> month, std::optional<int> day,
                                                        std::string_view hour, std::string_view minute, std::string_view second,
                                                        TimeScale scale) {
@@ -51,7 +51,7 @@ inline constexpr std::size_t label_column = 60;
     return Time{(scale == TimeScale::Utc ? gps_from_utc(c) : gps_from_calendar(c)).ns + ns};
 }
 
-/// Two-digit years of RINEX 2: 80 to 99 are of the last century.
+/// Two-digit years of RINEX 2: 80 to 99 belong to the last century.
 [[nodiscard]] inline std::optional<int> full_year(std::optional<int> year) {
     if (year && *year < 100) *year += *year < 80 ? 2000 : 1900;
     return year;

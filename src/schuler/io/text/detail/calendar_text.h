@@ -14,7 +14,7 @@ namespace schuler::io::detail {
 
 inline constexpr std::int64_t ns_per_second = 1'000'000'000;
 
-/// An unsigned whole number of at most nine digits.
+/// An unsigned integer of at most nine digits.
 [[nodiscard]] inline std::optional<int> small_integer(std::string_view text) {
     if (text.empty() || text.size() > 9) return std::nullopt;
     int value = 0;
@@ -33,7 +33,7 @@ inline constexpr std::int64_t ns_per_second = 1'000'000'000;
                .ok();
 }
 
-/// A minute of a day and the nanoseconds after it, kept apart because leap seconds belong to minutes.
+/// A minute of a day and the remaining nanoseconds, separate because leap seconds belong to minutes.
 struct MinuteAndRest {
     int hour = 0, minute = 0;
     std::int64_t rest_ns = 0;  ///< below 61 s
@@ -51,7 +51,7 @@ struct MinuteAndRest {
 }
 
 /// A field such as "2024-05-01T12:00:00.125Z", "2024/05/01 14:00:00+02:00" or "12:00:00.5": nanoseconds since 1970, UTC, counted
-/// without leap seconds; since midnight where there is no date.
+/// without leap seconds; since midnight if there is no date.
 [[nodiscard]] inline std::optional<std::int64_t> calendar_nanoseconds(std::string_view text) {
     std::int64_t days = 0;
     if (text.size() > 10 && (text[4] == '-' || text[4] == '/') && text[7] == text[4] && (text[10] == 'T' || text[10] == ' ')) {

@@ -1,4 +1,4 @@
-// The dictionary of column names: which words mean which canonical quantity. Private to columns.cpp.
+// The dictionary of column names: words and their canonical quantities. Private to columns.cpp.
 #pragma once
 
 #include "schuler/io/text/columns.h"
@@ -12,8 +12,8 @@ namespace schuler::io::detail {
 
 enum class Dimension { Time, Angle, Length, Rate, Acceleration, Velocity, Pressure, Field, Temperature, Count };
 
-/// A quantity and the stems (names without unit) that mean it. Stems separated by blanks; the first is the canonical one.
-/// Stems before a '|' are clear, those behind it are guesses.
+/// A quantity and its stems (names without unit). Stems are separated by blanks; the first is the canonical one. Stems before a
+/// '|' are unambiguous, those after it are guesses.
 struct Quantity {
     std::string canonical;
     Dimension dimension;
@@ -22,17 +22,17 @@ struct Quantity {
     HeightKind height = HeightKind::Unstated;
 };
 
-/// All quantities of a kind of table, in order of preference where several give the same canonical name.
+/// All quantities of a kind of table, in order of preference if several give the same canonical name.
 [[nodiscard]] const std::vector<Quantity>& quantities(TableKind kind);
 
 /// Names of the units of a dimension, the canonical one first.
 [[nodiscard]] std::vector<std::string> unit_names(Dimension dimension);
 
-/// The unit of a dimension with this name (words joined by '_'); nullopt where it is none.
+/// The unit of a dimension with this name (words joined by '_'); nullopt if there is none.
 [[nodiscard]] std::optional<UnitFactor> unit_factor(Dimension dimension, std::string_view unit);
 [[nodiscard]] std::optional<TimeUnit> time_unit(std::string_view unit);
 
-/// Words in front of a name that say where the value comes from but not what it is ("imu", "onboard", ...).
+/// Leading words of a name that state the origin of a value but not its meaning ("imu", "onboard", ...).
 [[nodiscard]] bool is_origin_word(std::string_view word);
 
 }  // namespace schuler::io::detail

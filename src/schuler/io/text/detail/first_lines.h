@@ -1,4 +1,4 @@
-// The beginning of a text, by which its format is recognised.
+// The beginning of a text, for recognition of its format.
 #pragma once
 
 #include "schuler/io/text/text_input.h"
@@ -10,7 +10,7 @@
 
 namespace schuler::io::detail {
 
-/// At most 200 lines of the first block, without their ends; they live as long as `blocks` stays where it is.
+/// At most 200 lines of the first block, without their ends; valid as long as `blocks` is not advanced.
 [[nodiscard]] inline std::vector<std::string_view> first_lines(LineBlocks& blocks) {
     std::vector<std::string_view> lines;
     if (!blocks.next()) return lines;

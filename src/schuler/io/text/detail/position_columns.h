@@ -11,11 +11,11 @@ namespace schuler::io::detail {
 /// Latitude, longitude and height or Earth-fixed coordinates, and velocity, of one row.
 class PositionColumns {
 public:
-    /// Requests what the file has. Throws where `required` and there is neither a geodetic nor an Earth-fixed position.
+    /// Requests the available columns. Throws if `required` and there is neither a geodetic nor an Earth-fixed position.
     PositionColumns(SampleColumns& columns, bool required);
 
     [[nodiscard]] bool has_position() const { return geodetic_ || ecef_; }
-    /// The position; NaN members where the row has none. Throws Error on absurd values.
+    /// The position; NaN members if the row has none. Throws Error on absurd values.
     [[nodiscard]] Geodetic position(const TableReader& row) const;
     [[nodiscard]] Eigen::Vector3d velocity_n(const TableReader& row) const;
     [[nodiscard]] std::size_t height_field() const { return height_; }
@@ -28,7 +28,7 @@ private:
     std::size_t vn_, ve_, vd_;
 };
 
-/// The number of an optional field; NaN where the column is absent.
+/// The number of an optional field; NaN if the column is absent.
 [[nodiscard]] inline double optional_number(const TableReader& row, std::size_t field) {
     return field == SampleColumns::absent ? std::numeric_limits<double>::quiet_NaN() : row.number(field);
 }

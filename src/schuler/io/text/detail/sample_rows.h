@@ -1,4 +1,4 @@
-// From rows of a table to samples in order of time, with the policy on bad rows that all readers share. Private to the readers.
+// From table rows to samples in time order, with the treatment of bad rows common to all readers. Private to the readers.
 #pragma once
 
 #include "schuler/core/log.h"
@@ -15,7 +15,7 @@
 
 namespace schuler::io::detail {
 
-/// The requested columns of one file: found by name, or known by place.
+/// The requested columns of one file: found by name, or known by position.
 class SampleColumns {
 public:
     static constexpr std::size_t absent = std::numeric_limits<std::size_t>::max();
@@ -23,14 +23,14 @@ public:
     SampleColumns(const TextInput& input, TableKind kind, const CsvOptions& options);
 
     [[nodiscard]] bool has(std::string_view canonical) const { return plan_.find(canonical) != nullptr; }
-    /// Requests a column; throws where a required one is missing. `si` takes the canonical unit to SI.
+    /// Requests a column; throws if a required one is missing. `si` converts the canonical unit to SI.
     std::size_t add(const std::string& canonical, bool required, double si = 1.0, FieldKind kind = FieldKind::Number);
-    /// Error for a column that is needed and not there.
+    /// Error for a required column that is missing.
     [[nodiscard]] Error missing(const std::string& canonical) const;
     [[nodiscard]] TableReader reader() const { return {input_, layout_, requests_}; }
     [[nodiscard]] const TableLayout& layout() const { return layout_; }
     [[nodiscard]] const ColumnPlan& plan() const { return plan_; }
-    /// "[imu] scale = { accel_m_s2 = ... }" and the like.
+    /// "[imu] scale = { accel_m_s2 = ... }" and similar.
     [[nodiscard]] std::string section() const { return std::string(name_of(plan_.kind)); }
 
 private:
@@ -40,18 +40,18 @@ private:
     std::vector<FieldRequest> requests_;
 };
 
-/// Counts what happens to rows, and decides when it is too much.
+/// Counts the problems of rows, and decides when there are too many.
 class RowAudit {
 public:
     RowAudit(std::string file, std::string section, WarningLog& log)
         : file_(std::move(file)), section_(std::move(section)), log_(log) {}
 
-    /// A bad row: throws where it is the first row of the file.
+    /// A bad row: throws if it is the first row of the file.
     void bad_row(const TableReader& reader);
-    /// A row with a value that no instrument gives: counted as bad; many of them are another unit, and thrown.
+    /// A row with an impossible value: counted as bad; many of them indicate a wrong unit, which is thrown.
     void absurd(const Error& error, const TableReader& reader);
     void read_row() { ++counts_.read; }
-    /// Checks the order of a used row's time.
+    /// Checks the time order of a used row.
     void time(std::int64_t ns, long line) {
         if (ns < latest_) {
             if (counts_.out_of_order++ == 0) {
@@ -87,7 +87,7 @@ private:
     std::vector<Error> first_bad_;
 };
 
-/// Sorts where needed and drops exact duplicates. `same` compares two samples' values.
+/// Sorts if necessary and drops exact duplicates. `same` compares the values of two samples.
 template <class Sample, class Same>
 void put_in_time_order(std::vector<Sample>& samples, RowAudit& audit, Same same) {
     RowCounts& counts = audit.counts();
@@ -112,7 +112,7 @@ void put_in_time_order(std::vector<Sample>& samples, RowAudit& audit, Same same)
     audit.warn("same_time", "rows with the time of another row but other values: kept", counts.same_time);
 }
 
-/// Leaves out single rows with a stamp far from those around them, and carries counters of time on that begin anew.
+/// Omits single rows stamped far from the surrounding ones, and continues time counters that restart.
 template <class Sample>
 void repair_stamps(std::vector<Sample>& samples, std::vector<long>& lines, RowAudit& audit) {
     std::vector<std::int64_t> times;
@@ -137,7 +137,7 @@ void repair_stamps(std::vector<Sample>& samples, std::vector<long>& lines, RowAu
     audit.rolled_over(repair);
 }
 
-/// Reads all rows. `make(reader, sample)` fills a sample from a row and returns false to leave it out (it counts that itself).
+/// Reads all rows. `make(reader, sample)` fills a sample from a row and returns false to omit it (and counts that itself).
 template <class Sample, class Make>
 [[nodiscard]] std::vector<Sample> read_samples(TableReader& reader, RowAudit& audit, std::size_t expected, Duration offset,
                                                Make make) {
@@ -171,7 +171,7 @@ template <class Sample, class Make>
     return samples;
 }
 
-/// Equal, NaN being equal to NaN.
+/// Equal, with NaN equal to NaN.
 inline bool same_value(double a, double b) { return a == b || (a != a && b != b); }
 template <class A, class B>
 [[nodiscard]] bool same_vector(const A& a, const B& b) {
