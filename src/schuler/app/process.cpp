@@ -15,6 +15,7 @@
 #include "schuler/settings/scenario/scenario.h"
 #include "schuler/settings/toml_file.h"
 #include "schuler/solution/bundle.h"
+#include "schuler/solution/course.h"
 #include "schuler/solution/events.h"
 #include "schuler/solution/evidence.h"
 #include "schuler/solution/fuse.h"
@@ -215,6 +216,7 @@ report::Outcome process_dataset(const settings::ProcessRequest& request) {
     bundle.command = "process";
     bundle.name = config.name.empty() ? dataset.name : config.name;
     bundle.data = solution::load_dataset(dataset, config, warnings);
+    solution::use_course(bundle.data);
     const std::set<std::string> asked = bundle.data.given;
     report::Outcome out = finished(bundle, request, asked, warnings, dataset.folder, begin);
     out.notice = dataset.inferred_toml;

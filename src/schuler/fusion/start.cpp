@@ -329,6 +329,8 @@ Start found_start(const RunData& data, const Settings& settings, Findings& findi
         const Vector3d rpy = math::rpy_from_quaternion(search.best.nav.q_nb);
         // Errors are evaluated from here on, for any duration of the search: it ends where it begins.
         const Time until = std::min(search.until, std::max(motion, t0) + Duration::from_seconds(120.0));
+        // A mixture as wide as the course's own error knows nothing else.
+        start.heading_of_sensor = shown && settings.heading.by_course && !shown->by_mag && search.std > 0.5 * shown->std;
         if (search.decided) {
             findings.aligned_at = until;
             const double std = std::max({2.0 * units::deg, 3.0 * search.best.std_rpy.z(), search.std});

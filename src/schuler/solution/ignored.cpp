@@ -127,6 +127,7 @@ std::vector<Rule> sensor_rules(const ResultBundle& b) {
              unless(mag, "no magnetometer is used")},
             {{"odometer."}, unless(f.odometer.use && !r.odometer.empty(), "no odometer is used")},
             {{"heading."}, unless(f.heading.use && !r.heading.empty(), "no heading sensor is used")},
+            {{"vehicle.leeway_deg"}, unless(f.heading.by_course || c.leeway == 0.0, "it belongs to ships without a heading sensor")},
             {{"gauges."}, unless(!r.gauges.empty(), "no gauges are used")},
             {{"log."}, unless(!r.body_velocity.empty(), "no log of velocity is used")},
             {{"compass."}, unless(f.heading.use && !r.heading.empty(), "no compass is used")},

@@ -182,8 +182,7 @@ LoadedDataset load_dataset(const settings::Dataset& dataset, const settings::Con
     if (dataset.report.forward_supposed)
         warnings.add(
             "forward.supposed",
-            "which way the unit points forward does not show in positions without velocities: the heading is that of its axes as they are "
-            "taken; give imu.axes");
+            "which way the unit points forward does not show in this log: the heading is that of its axes as they are taken; give imu.axes");
     for (const inspect::Contradiction& c : dataset.contradictions)
         warnings.add("contradiction." + c.key, fmt::format("the data contradict {}: {}; {}", c.key, c.text,
                                                            !c.refuted ? std::string("the given value is used")

@@ -60,6 +60,14 @@ bool EventMaker::is_due(const BaroSample& s) {
     return true;
 }
 
+bool EventMaker::is_due(const HeadingSample& s) const {
+    if (!settings_.heading.use || !std::isfinite(s.heading)) return false;
+    if (!settings_.heading.by_course) return true;
+    const double t = (s.time - origin_).seconds();
+    const auto withheld = [&](double at) { return is_withheld(settings_.outages, at); };
+    return !withheld(t - 0.5 * course_chord) && !withheld(t) && !withheld(t + 0.5 * course_chord);
+}
+
 bool EventMaker::is_due(const MagSample& s) {
     if (!settings_.mag.use || !s.field_b.allFinite() || s.time - memory.mag < mag_spacing) return false;
     memory.mag = s.time;

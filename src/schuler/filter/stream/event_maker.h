@@ -34,7 +34,7 @@ public:
     [[nodiscard]] bool is_due(const BaroSample& s);
     [[nodiscard]] bool is_due(const MagSample& s);
     [[nodiscard]] bool is_due(const OdometerSample& s);
-    [[nodiscard]] bool is_due(const HeadingSample& s) const { return settings_.heading.use && std::isfinite(s.heading); }
+    [[nodiscard]] bool is_due(const HeadingSample& s) const;
     [[nodiscard]] bool is_due(const GaugeSample& s) const { return settings_.gauges.use && s.height.array().isFinite().any(); }
     [[nodiscard]] bool is_due(const BodyVelocitySample& s) const { return settings_.log.use && s.velocity_b.allFinite(); }
 

@@ -86,6 +86,7 @@ std::uint64_t NavigatorEngine::fingerprint() const {
                            s.aids.zero_velocity,
                            s.aids.nonholonomic,
                            s.aids.nonholonomic_auto,
+                           s.heading.by_course,
                            g.use_velocity,
                            s.ranging.use_rates,
                            s.ranging.use_stations,

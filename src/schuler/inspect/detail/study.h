@@ -44,7 +44,7 @@ struct Study {
     MotionFit velocity_fit, position_fit;
     Agreement velocity_behind_position, down_velocity_behind_height;
     CourseSlope course;
-    std::string vehicle;  ///< "car", "air", "hand", "static"
+    std::string vehicle;  ///< "car", "air", "ship", "hand", "static"
     std::vector<UnitChange> imu_units, gnss_units, baro_units, mag_units;
     Travel travel;
     Mounting mounting;

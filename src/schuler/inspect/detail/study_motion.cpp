@@ -3,6 +3,7 @@
 
 #include "schuler/core/units.h"
 #include "schuler/inspect/detail/clock.h"
+#include "schuler/inspect/detail/waves.h"
 #include "schuler/math/rotation.h"
 
 #include <fmt/format.h>
@@ -207,6 +208,12 @@ Kind kind_of(const Study& study) {
     }
     const Travel& t = study.travel;
     const double deg = 1.0 / units::deg;
+    constexpr double fastest_ship = 25.0;  // m/s
+    const Waves waves = waves_of(study.imu, study.gnss);
+    if (waves.found && fast < fastest_ship && study.still.total < 0.1 * span)
+        return {"ship", 0.8,
+                fmt::format("it rolls and pitches by {:.1f} deg at the periods of waves throughout, and its height stays within {:.1f} m",
+                            waves.tilt * deg, waves.height)};
     constexpr double fastest_car = 80.0;  // m/s
     const double felt = felt_in_turns(study);
     if (t.epochs >= 30 && t.concentration > 0.9 && (fast > fastest_car || felt < 0.5)) {

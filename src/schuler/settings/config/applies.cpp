@@ -35,6 +35,7 @@ constexpr auto conditions = std::to_array<std::pair<std::string_view, std::strin
     {"mag.", "a magnetometer"},
     {"odometer.file", ""},
     {"odometer.", "an odometer"},
+    {"vehicle.leeway_deg", "a ship without a heading sensor"},
     {"heading.file", ""},
     {"heading.", "a heading sensor"},
     {"log.file", ""},
