@@ -43,13 +43,13 @@ MountingEstimate estimate_mounting(const RunData& all, const Settings& settings,
     }
     axis.normalize();
     Vector3d sum = Vector3d::Zero();
-    double n = 0.0, spread = 0.0, total = 0.0, best = 0.0;
+    double n = 0.0, spread = 0.0, total = 0.0, attitude = 0.0;
     for (std::size_t i = 0; i < forward.size(); ++i) {
         if (forward[i].dot(axis) < std::cos(10.0 * units::deg)) continue;
         sum += weight[i] * forward[i];
         spread += weight[i] * (forward[i] - axis).squaredNorm();
         total += weight[i];
-        best = std::max(best, weight[i]);
+        attitude += std::sqrt(weight[i]);
         n += 1.0;
     }
     // Wheels roll along their axis, occasionally backwards; a vehicle able to move sideways shows it only if it rarely does so.
@@ -58,8 +58,8 @@ MountingEstimate estimate_mounting(const RunData& all, const Settings& settings,
     const Vector3d x = sum.normalized();
     const Vector3d z = (down - down.dot(x) * x).normalized();
     estimate.C_vb << x.transpose(), z.cross(x).transpose(), z.transpose();
-    // Attitude errors of neighbouring rows are correlated: the best of them bounds the accuracy of their mean.
-    const double std = std::sqrt(spread / total / std::max(1.0, n / 25.0) + 1.0 / best);
+    // Attitude errors of the rows are almost the same error: the weighted mean of their sigmas bounds the sigma of the mean.
+    const double std = std::hypot(std::sqrt(spread / total / std::max(1.0, n / 25.0)), attitude / total);
     estimate.std_rpy = Vector3d(2.0 * units::deg, std, std);
     estimate.found = true;
     return estimate;
