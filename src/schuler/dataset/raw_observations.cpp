@@ -1,5 +1,7 @@
 #include "schuler/dataset/raw_observations.h"
 
+#include "schuler/core/error.h"
+#include "schuler/dataset/raw_gnss.h"
 #include "schuler/io/raw_input.h"
 #include "schuler/io/text/columns.h"
 #include "schuler/io/text/text_input.h"
@@ -92,6 +94,8 @@ RawObservations raw_observations(const fs::path& path, bool alone) {
         f.value = std::move(value);
     };
     fact("gnss.observations", observations.front());
+    out.files.observations = {observations.front()};
+    out.files.navigation = navigation;
     out.dataset_toml = fmt::format("# Inferred from the {} files.\n[gnss]\nobservations = {}\n",
                                    only_logs && navigation.empty() ? "receiver's" : "RINEX", toml_text(observations.front()));
     for (std::size_t i = 1; i < observations.size(); ++i)
@@ -109,6 +113,15 @@ RawObservations raw_observations(const fs::path& path, bool alone) {
             "# Positions from carrier phases, if this is a base station's log of the same hours:\n# [base]\n# observations = {}\n",
             toml_text(observations.back()));
     return out;
+}
+
+inspect::ComputedFixes computed_fixes(const fs::path& folder, const RawGnssConfig& raw) {
+    WarningLog unheard;  // whoever loads them warns
+    try {
+        return {raw.observations.front(), fixes_from_raw(folder, raw, unheard)};
+    } catch (const Error&) {
+        return {};
+    }
 }
 
 }  // namespace schuler::dataset

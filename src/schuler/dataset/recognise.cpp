@@ -72,12 +72,19 @@ void add_raw_observations(const fs::path& path, const inspect::Given& given, ins
     if (recognised(report, "gnss.file") || (!imu && !report.dataset_toml.empty())) return;
     if (std::ranges::any_of(report.files, is_broken_gnss)) return;  // this file was intended
     RawObservations raw = raw_observations(path, !imu);
+    if (raw.facts.empty()) return;
+    if (imu) {
+        std::error_code ec;
+        inspect::Given with = given;
+        with.computed = computed_fixes(fs::is_directory(path, ec) ? path : path.parent_path(), raw.files);
+        if (!with.computed.fixes.empty()) report = inspect::inspect(path, with);
+        if (with.computed.fixes.empty() && !(given.has("imu.axes") && given.has("vehicle.kind")))
+            report.doubts.emplace_back(
+                "the raw measurements give no fixes, which alone show the way forward and the kind of vehicle before the run: the heading is "
+                "that of the axes as they are taken; give imu.axes and vehicle.kind");
+    }
     report.facts.insert(report.facts.end(), std::make_move_iterator(raw.facts.begin()), std::make_move_iterator(raw.facts.end()));
-    if (!raw.facts.empty() && imu && !(given.has("imu.axes") && given.has("vehicle.kind")))
-        report.doubts.emplace_back(
-            "the fixes come from raw measurements, which show neither the way forward nor the kind of vehicle before the run: the heading is that of the "
-            "axes as they are taken; give imu.axes and vehicle.kind");
-    if (!raw.facts.empty() && !report.dataset_toml.empty()) report.dataset_toml += "\n";
+    if (!report.dataset_toml.empty()) report.dataset_toml += "\n";
     report.dataset_toml += raw.dataset_toml;
 }
 

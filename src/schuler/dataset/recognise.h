@@ -22,7 +22,8 @@ struct Recognised {
     std::string dataset_toml;         ///< the dataset.toml that states the facts, for logs that were searched for
 };
 
-/// Raw satellite measurements, if they are the only ones in the folder (or the file): with an IMU log, or alone.
+/// Raw satellite measurements, if they are the only ones in the folder (or the file): with an IMU log, which is then analysed with
+/// their single-epoch fixes, or alone.
 void add_raw_observations(const std::filesystem::path& path, const inspect::Given& given, inspect::InspectReport& report);
 
 /// Examines the files of a data set that is partly or not at all described. If no log is named, IMU and GNSS logs are searched

@@ -117,6 +117,7 @@ LoadedFile* choose(Study& study, io::TableKind kind, const std::string& section)
         return best;
     }
     const Given& given = study.given;
+    if (kind == io::TableKind::Gnss && !study.files.empty() && study.files.back().computed) return &study.files.back();
     const bool aid = kind == io::TableKind::Baro || kind == io::TableKind::Mag;
     const bool may = aid ? given.find_aids : given.find_logs || (kind == io::TableKind::Imu && given.find_imu);
     if (!may) return nullptr;
@@ -259,7 +260,7 @@ void load_files(const fs::path& path, Study& study) {
     std::vector<fs::path> others;
     if (given.find_logs || given.find_imu || given.find_aids || !folder)
         others = folder ? files_in(path, study) : std::vector<fs::path>{path};
-    study.files.reserve(others.size() + 5);
+    study.files.reserve(others.size() + 6);
     for (const auto kind :
          {io::TableKind::Imu, io::TableKind::Gnss, io::TableKind::Baro, io::TableKind::Mag, io::TableKind::Reference}) {
         const GivenFile* file = named(given, kind);
@@ -292,6 +293,7 @@ void load_files(const fs::path& path, Study& study) {
     const auto raw = [](const LoadedFile& file) { return !file.report.contents.empty(); };
     if (folder && given.find_logs && std::ranges::none_of(study.files, usable) && std::ranges::none_of(study.files, raw))
         for (const fs::path& file : files_below(path, study)) load(file);
+    if (!given.computed.fixes.empty()) study.files.push_back(detail::load_computed(given.computed));
 }
 
 /// The interval of the evidence from motion, s after the first epoch of the GNSS log (of the IMU log if there is none).
@@ -377,6 +379,7 @@ InspectReport inspect(const std::filesystem::path& path, const Given& given) {
     report.path = path.string();
     report.motion = motion_of(study);
     for (LoadedFile& file : study.files) {
+        if (file.computed) continue;
         if (file.table) file.report.understood = detail::explained_columns(file);
         report.files.push_back(std::move(file.report));
     }

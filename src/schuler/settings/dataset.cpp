@@ -1,5 +1,6 @@
 #include "schuler/settings/dataset.h"
 
+#include "schuler/dataset/raw_observations.h"
 #include "schuler/dataset/recognise.h"
 #include "schuler/io/solution/kfgins.h"
 #include "schuler/settings/config/config.h"
@@ -41,7 +42,8 @@ void resolve(Dataset& d, const fs::path& path, dataset::Needs needs, const Setti
     if (said.scheme == Scheme::Gnss && said.imu.file.empty() && !g.find_logs) {  // nothing to search for
         needs = dataset::Needs::Imu;
         g.find_imu = false;
-    }
+    } else if (said.gnss.file.empty() && !said.raw.observations.empty())
+        g.computed = dataset::computed_fixes(d.folder, said.raw);
     dataset::Recognised r = dataset::recognise(path, needs, g);
     if (!d.folder.empty() && !g.find_logs) {
         // the loader handles dated time axes; names follow from the folder

@@ -175,7 +175,7 @@ void judge_motion_content(Study& study) {
 }  // namespace
 
 void judge_gnss(Study& study) {
-    if (study.gnss_file == nullptr) return;
+    if (study.gnss_file == nullptr || study.gnss_file->computed) return;
     study.draft.set("gnss", "file", study.gnss_file->report.path, fmt::format("{:.3g} Hz", study.gnss_file->report.rate_hz));
     draft_columns(study, "gnss", *study.gnss_file, study.gnss_units);
     judge_fix(study);

@@ -162,7 +162,7 @@ double check_given(Study& study, const char* key, double given, const std::optio
 }  // namespace
 
 void judge_latency(Study& study) {
-    if (study.gnss_file == nullptr) return;
+    if (study.gnss_file == nullptr || study.gnss_file->computed) return;
     if (study.states_position_age) {
         study.states("gnss.stated_position_age_s", study.position_age, "column of the time of validity; latencies count on top");
         study.found("gnss.stated_position_age", fmt::format("{:.3f} s", study.position_age), 1.0,

@@ -131,6 +131,17 @@ std::vector<LoadedFile> load_streams(const std::filesystem::path& path, const st
     return files;
 }
 
+LoadedFile load_computed(const ComputedFixes& computed) {
+    LoadedFile file;
+    file.computed = true;
+    file.path = file.report.path = computed.source;
+    file.report.kind = io::name_of(io::TableKind::Gnss);
+    file.report.start_s = file.report.stop_s = std::nan("");
+    take_stream(file, io::stream_of(computed.fixes, io::HeightKind::Ellipsoidal, computed.source), io::Clock::Gps);
+    finish(file);
+    return file;
+}
+
 LoadedFile load_given_stream(const std::filesystem::path& path, const std::string& name, const ReadAs& as) {
     LoadedFile file;
     file.path = path;

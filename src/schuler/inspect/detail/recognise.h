@@ -2,6 +2,7 @@
 #pragma once
 
 #include "schuler/inspect/detail/loaded_file.h"
+#include "schuler/inspect/given.h"
 #include "schuler/io/formats.h"
 #include "schuler/io/raw_input.h"
 #include "schuler/io/text/table.h"
@@ -26,6 +27,9 @@ void read_one_stream(LoadedFile& file, const io::Format& format);
                                                    const io::Format& format);
 /// A stream with a given role; without a role if it does not exist.
 [[nodiscard]] LoadedFile load_given_stream(const std::filesystem::path& path, const std::string& name, const ReadAs& as);
+
+/// Fixes computed from raw measurements, as a log.
+[[nodiscard]] LoadedFile load_computed(const ComputedFixes& computed);
 
 /// Describes the content of raw measurements or ephemerides; times are those of the epochs. False if the file is rather NMEA.
 [[nodiscard]] bool read_raw(LoadedFile& file, io::RawFormat format);
