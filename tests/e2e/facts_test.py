@@ -1,8 +1,11 @@
 """What is known about a data set and how: found where it is not given, used and checked where it is, written down so that a run repeats."""
+import csv
+import gzip
 import json
 import math
 import os
 import random
+import shutil
 import sys
 import tomllib
 from pathlib import Path
@@ -220,5 +223,43 @@ def facts_checked(program, source):
         (folder / "logs" / name).write_text("\n".join(rows[name]) + "\n")
 
 
+def facts_raw(program, source):
+    """A receiver's RINEX beside an IMU whose clock starts at zero: the fixes of single epochs show by how much the clocks differ."""
+    generator = Path(os.environ.get("SCHULER_DATA", source.parent / "shared/data")) / "spirent_rtk_noatm"
+    if not generator.is_dir():
+        print(f"skipped: {generator} is not there (set SCHULER_DATA)")
+        sys.exit(77)
+    folder = Path(program.folder)
+    with open(generator / "Rover-dynamic_motion_Spirent.csv", newline="") as file:
+        next(file)
+        motion = list(csv.DictReader(file))
+    with open(folder / "rose.csv", "w") as file:
+        file.write("time_s,lat_deg,lon_deg,height_m,roll_deg,pitch_deg,heading_deg\n")
+        for row in motion:
+            place = [math.degrees(float(row["Lat"])), math.degrees(float(row["Long"])), float(row["Height"])]
+            file.write(f"{float(row['Time_ms']) / 1e3:.3f},{place[0]:.11f},{place[1]:.11f},{place[2]:.4f},0,0,{math.degrees(float(row['Heading'])):.6f}\n")
+    (folder / "rose.toml").write_text('name = "rose"\nseed = 5\nduration_s = 590\n[trajectory]\ntype = "file"\nfile = "rose.csv"\n'
+                                      '[imu]\nrate_hz = 50\ngrade = "mems"\n')
+    program("simulate", "rose.toml", "-o", "simulated", "-q")
+    (folder / "logs").mkdir()
+    shutil.copy(folder / "simulated/imu.csv", folder / "logs/imu.csv")
+    (folder / "logs/rover.obs").write_bytes(gzip.decompress((generator / "Rover-dynamic_MO_Spirent.obs.gz").read_bytes()))
+    for name in ("RINEX_EN_Spirent.23L", "RINEX_GN_Spirent.23N"):
+        shutil.copy(generator / name, folder / "logs")
+    summary = summary_of(program, "logs", "-o", "out", "--outputs", "solution,summary")
+    offset = facts_of(summary)["imu.time_offset_s"]
+    began = 1_357_207_200.0  # 2023-01-08 10:00:00, seconds of GPS time
+    check(offset["how"] == "found" and abs(offset["value"] - began) < 0.1, f"{offset}")
+    with open(folder / "out/solution.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    misses = []
+    for row in rows:
+        true = motion[min(round((float(row["time_s"]) - began) * 10), len(motion) - 1)]
+        misses.append(math.hypot((float(row["lat_deg"]) - math.degrees(float(true["Lat"]))) * 111.2e3,
+                                 (float(row["lon_deg"]) - math.degrees(float(true["Long"]))) * 73.3e3))
+    check(len(misses) > 5000 and max(misses) < 3.0, f"{len(misses)} epochs, at worst {max(misses):.2f} m from the generator's motion")
+
+
 if __name__ == "__main__":
-    main({"facts_partial": facts_partial, "facts_repeat": facts_repeat, "facts_curves": facts_curves, "facts_real": facts_real, "facts_checked": facts_checked})
+    main({"facts_partial": facts_partial, "facts_repeat": facts_repeat, "facts_curves": facts_curves, "facts_real": facts_real, "facts_checked": facts_checked,
+          "facts_raw": facts_raw})
