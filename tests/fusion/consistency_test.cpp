@@ -120,42 +120,5 @@ TEST(Consistency, ScaleErrorsAndMisalignmentsAreStatesOrWouldLie) {
     EXPECT_GT(without, 6.0);  // not more, for fixes that are refused open the covariance
 }
 
-/// A unit whose gyros drift far within the run, on a ship that goes straight on in waves.
-sim::Scenario straight_passage(std::uint64_t seed) {
-    sim::Scenario s;
-    s.seed = seed;
-    s.duration = 300.0;
-    s.origin = Time::from_seconds(1000.0);
-    sim::ShipPath path;
-    path.start = {50.4 * deg, 30.5 * deg, 0.0};
-    path.heading = 1.0;
-    path.roll.amplitude = path.pitch.amplitude = 1.5 * deg;
-    s.path = path;
-    s.imu.errors = sensor::imu_grade("consumer");
-    s.gnss.rate = 5.0;
-    return s;
-}
-
-TEST(Consistency, StraightMotionShowsNoHeading) {
-    // Nothing accelerates: the heading drifts as the gyros do, however long the fixes are used.
-    constexpr int runs = 12;
-    double sum = 0.0, sigma = 0.0;
-    for (std::uint64_t seed = 500; seed < 500 + runs; ++seed) {
-        const sim::Scenario scenario = straight_passage(seed);
-        const Recording recording = sim::simulate(scenario).recording;
-        Settings f = settings_of(scenario);
-        f.vehicle = VehicleKind::Ship;
-        f.scale_factors = f.misalignments = true;
-        give_start(f, recording, seed);
-        const SolutionRow end = fuse(recording, f).forward.rows.back();
-        const double error = math::wrap_pi(end.rpy.z() - recording.reference.back().rpy.z());
-        sum += std::pow(error / end.std_rpy.z(), 2);
-        sigma += end.std_rpy.z() / runs;
-    }
-    EXPECT_LT(sum, math::chi_square_quantile(0.999, runs));
-    EXPECT_GT(sum, math::chi_square_quantile(0.001, runs));
-    EXPECT_GT(sigma, 20.0 * deg);  // three degrees at the start
-}
-
 }  // namespace
 }  // namespace schuler::fusion

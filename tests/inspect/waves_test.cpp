@@ -16,13 +16,15 @@ namespace {
 
 using units::deg;
 
-Waves waves_on(const sim::PathSettings& path, std::uint64_t seed, const std::string& grade, double duration = 240.0) {
+Waves waves_on(const sim::PathSettings& path, std::uint64_t seed, const std::string& grade, double duration = 240.0,
+               double imu_rate = 100.0) {
     sim::Scenario s;
     s.seed = seed;
     s.duration = duration;
     s.origin = Time::from_seconds(1000.0);
     s.path = path;
     s.imu.errors = sensor::imu_grade(grade);
+    s.imu.rate = imu_rate;
     s.gnss.rate = 1.0;
     s.gnss.white_position = Eigen::Vector3d(1.0, 1.0, 2.0);
     const Recording r = sim::simulate(s).recording;
@@ -65,7 +67,8 @@ TEST(Waves, CarsAndFlightsAreNone) {
     }
 }
 
-TEST(Waves, NothingIsFoundInShortLogs) {
+TEST(Waves, NothingIsFoundInShortOrSlowLogs) {
+    EXPECT_FALSE(waves_on(sim::ShipPath{.start = {0.9, 0.5, 0.0}}, 1, "mems", 200.0, 1.0).found);
     EXPECT_FALSE(waves_on(sim::ShipPath{.start = {0.9, 0.5, 0.0}}, 1, "mems", 100.0).found);
     EXPECT_FALSE(waves_of({}, {}).found);
 }

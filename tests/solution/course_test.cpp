@@ -27,7 +27,8 @@ LoadedDataset moving(double speed, fusion::VehicleKind kind) {
         fix.fix = FixType::Autonomous;
         data.recording.gnss.push_back(fix);
         const double course = 1.0 + 0.002 * i;
-        at = earth::moved_by_ned(data.config.filter.earth, at, 0.5 * speed * Eigen::Vector3d(std::cos(course), std::sin(course), 0.0));
+        at = earth::moved_by_ned(data.config.filter.earth, at,
+                                 0.5 * speed * Eigen::Vector3d(std::cos(course), std::sin(course), 0.0));
     }
     data.origin = data.recording.gnss.front().time;
     return data;
@@ -44,7 +45,7 @@ TEST(Course, IsTheHeadingOfAShipWithinItsLeeway) {
         EXPECT_NEAR(h.std, std::hypot(4.0 * deg, std::sqrt(2.0) / 48.0), 1e-3);
     }
     EXPECT_TRUE(data.config.filter.heading.by_course);
-    EXPECT_EQ(data.config.filter.heading.offset_std, 8.0 * deg);
+    EXPECT_NEAR(data.config.filter.heading.offset_std, std::hypot(8.0 * deg, 0.5 / 6.0), 1e-3);
 }
 
 TEST(Course, IsNotUsedOtherwise) {
@@ -66,17 +67,24 @@ TEST(Course, IsNotUsedOtherwise) {
     EXPECT_FALSE(compass.config.filter.heading.by_course);
 }
 
+TEST(Course, ContraryVelocitiesAreNone) {
+    LoadedDataset data = moving(6.0, fusion::VehicleKind::Ship);
+    for (GnssFix& fix : data.recording.gnss) fix.velocity_n = Eigen::Vector3d(6.0 * std::cos(2.5), 6.0 * std::sin(2.5), 0.0);
+    use_course(data);
+    EXPECT_TRUE(data.recording.heading.empty());  // the track turns from 1.0 to 1.5 rad
+}
+
 TEST(Course, IsWithheldWithTheFixesItIsMadeOf) {
     fusion::Settings settings;
     settings.outages = {{20.0, 10.0}};
     settings.heading.by_course = true;
     const filter::EventMaker maker(settings, Time::from_seconds(100.0));
     const auto due = [&](double t) { return maker.is_due(HeadingSample{Time::from_seconds(100.0 + t), 1.0, 0.1}); };
-    EXPECT_TRUE(due(15.0));
-    EXPECT_FALSE(due(17.0));  // its later fix
+    EXPECT_TRUE(due(12.9));
+    EXPECT_FALSE(due(14.0));  // its later fix
     EXPECT_FALSE(due(25.0));
-    EXPECT_FALSE(due(33.0));  // its earlier one
-    EXPECT_TRUE(due(35.0));
+    EXPECT_FALSE(due(36.0));  // its earlier one
+    EXPECT_TRUE(due(37.1));
     settings.heading.by_course = false;
     EXPECT_TRUE(due(25.0));
 }

@@ -116,7 +116,7 @@ struct HeadingSettings {
     double offset_std = 0.0;  ///< rad, of the sensor relative to the body's forward axis; 0: not a state
     bool by_course = false;   ///< samples are courses between fixes one chord apart: unavailable if either fix is withheld
 };
-constexpr double course_chord = 8.0;  ///< s
+constexpr double course_chord = 8.0, longest_chord = 12.0;  ///< s
 
 /// Depth gauges, barometers and altimeters at separate positions on the body (Recording::gauges).
 struct GaugeSettings {

@@ -42,8 +42,10 @@ void resolve(Dataset& d, const fs::path& path, dataset::Needs needs, const Setti
     if (said.scheme == Scheme::Gnss && said.imu.file.empty() && !g.find_logs) {  // nothing to search for
         needs = dataset::Needs::Imu;
         g.find_imu = false;
-    } else if (said.gnss.file.empty() && !said.raw.observations.empty())
+    } else if ((needs == dataset::Needs::ImuAndGnss || needs == dataset::Needs::ImuAndStart) && said.scheme != Scheme::Gnss &&
+               said.gnss.file.empty() && !said.raw.observations.empty()) {
         g.computed = dataset::computed_fixes(d.folder, said.raw);
+    }
     dataset::Recognised r = dataset::recognise(path, needs, g);
     if (!d.folder.empty() && !g.find_logs) {
         // the loader handles dated time axes; names follow from the folder

@@ -173,7 +173,7 @@ SCHULER_ARCHIVED(GatheredMotion, time, distance, force, force2, turn, turn2, v_g
                  gain_p_a, gyro, accel)
 SCHULER_ARCHIVED(StateProcess, decay, psd)
 SCHULER_ARCHIVED_IN_FRAME(InertialFilter, nav, parameters, error, P, gathered, used, C, previous, w_ib_b, mean_force,
-                          recent_force, steady_force, down, unknown_force2, cached_time, cached_diagonal, cached_q, slot_process)
+                          recent_force, cached_time, cached_diagonal, cached_q, slot_process)
 SCHULER_ARCHIVED(estim::Row, head, index, value, count)
 SCHULER_ARCHIVED(Measurement, dof, rows, innovation, variance)
 SCHULER_ARCHIVED(CarriedFix, measurement, corrected, rows, left, stamp, next, every)

@@ -14,6 +14,12 @@ namespace {
 
 constexpr int p = Layout::position, v = Layout::velocity, a = Layout::attitude;
 
+/// A scale factor or misalignment: its contribution to the rate about `axis` is itself times the rate about `of`.
+struct Gain {
+    int axis, of;
+};
+constexpr std::array<Gain, 9> gains_of_axes{{{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 0}, {1, 2}, {2, 0}, {2, 1}}};
+
 /// The first of them that a layout has: scale factors come before misalignments.
 std::size_t first_gain(const Layout& layout) { return layout.gyro_scale >= 0 ? 0 : 3; }
 

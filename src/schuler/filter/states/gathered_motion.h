@@ -11,8 +11,6 @@
 
 #include <Eigen/Core>
 
-#include <array>
-
 namespace schuler::filter {
 
 using Matrix9 = Eigen::Matrix<double, 9, 9>;
@@ -26,12 +24,6 @@ struct BiasNoise {
     double gyro_bias_psd = 0.0;   ///< rad^2/s^3
     double accel_bias_psd = 0.0;  ///< m^2/s^5
 };
-
-/// A scale factor or misalignment: its contribution to the rate about `axis` is itself times the rate about `of`.
-struct Gain {
-    int axis, of;
-};
-inline constexpr std::array<Gain, 9> gains_of_axes{{{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 0}, {1, 2}, {2, 0}, {2, 1}}};
 
 /// Plain and copyable. Vectors and matrices are in the axes of the mechanization's frame.
 struct GatheredMotion {

@@ -113,57 +113,14 @@ void InertialFilter<Frame>::propagate(const InertialModel& model, const ImuIncre
     w_ib_b = inc.dtheta / dt;
     recent_force =
         recent_force.isZero(0.0) ? Vector3d(df / dt) : Vector3d(recent_force + (df - dt * recent_force) / (force_memory + dt));
-    steady_force =
-        steady_force.isZero(0.0) ? Vector3d(df / dt) : Vector3d(steady_force + (df - dt * steady_force) / (steady_memory + dt));
     double gyro_psd = model.gyro_psd + bridge.gyro_psd, accel_psd = model.accel_psd + bridge.accel_psd;
     if (model.gyro_gain > 0.0 || model.accel_gain > 0.0) {
         const BridgeNoise more = gain_noise(model, raw);
         gyro_psd += more.gyro_psd;
         accel_psd += more.accel_psd;
     }
-    Vector3d felt = df;
-    if (bridge.standing) {
-        felt = vertical_part(model, df, dt);
-    } else if (unknown_force2 > 0.0) {
-        const Vector3d horizontal = steady_force - down.dot(steady_force) * down;
-        if (horizontal.squaredNorm() < unknown_force2) felt = down.dot(df) * down;
-    }
-    gathered.add(model.layout, dt, 0.5 * (C0 + C), felt, w_ib_b, inc.dv / dt, gyro_psd, accel_psd);
-}
-
-template <class Frame>
-double InertialFilter<Frame>::horizontal_force_variance(const Layout& L, const Vector3d& force) const {
-    constexpr int most = 15;
-    Eigen::Matrix<double, 3, most> by;  // of the computed force by each of these states
-    std::array<int, most> states{};
-    int n = 0;
-    const auto add = [&](int state, const Vector3d& column) {
-        by.col(n) = column - down.dot(column) * down;
-        states[static_cast<std::size_t>(n++)] = state;
-    };
-    const Matrix3d F = math::skew(force);
-    const Vector3d f_b = C.transpose() * force;
-    for (int i = 0; i < 3; ++i) add(Layout::attitude + i, F.col(i));
-    for (int i = 0; i < 3; ++i) add(Layout::accel_bias + i, -C.col(i));
-    for (int i = 0; i < 3 && L.accel_scale >= 0; ++i) add(L.accel_scale + i, -f_b(i) * C.col(i));
-    for (int i = 0; i < 6 && L.accel_misalignment >= 0; ++i) {
-        const Gain& g = gains_of_axes[static_cast<std::size_t>(3 + i)];
-        add(L.accel_misalignment + i, -f_b(g.of) * C.col(g.axis));
-    }
-    double sum = 0.0;
-    for (int i = 0; i < n; ++i)
-        for (int k = 0; k < n; ++k)
-            sum += P(states[static_cast<std::size_t>(i)], states[static_cast<std::size_t>(k)]) * by.col(i).dot(by.col(k));
-    return sum;
-}
-
-template <class Frame>
-void InertialFilter<Frame>::judge_force(const InertialModel& model) {
-    constexpr double known = 2.0 * units::deg;  // of the heading: below it little is left to be told wrongly
-    constexpr int a = Layout::attitude;
-    if constexpr (!Frame::errors_are_geographic) down = Frame::C_en(model.earth, nav).col(2);
-    const bool open = down.dot(P.block<3, 3>(a, a) * down) > known * known;
-    unknown_force2 = open ? 9.0 * horizontal_force_variance(model.layout, steady_force) : 0.0;
+    gathered.add(model.layout, dt, 0.5 * (C0 + C), bridge.standing ? vertical_part(model, df, dt) : df, w_ib_b, inc.dv / dt,
+                 gyro_psd, accel_psd);
 }
 
 template <class Frame>
@@ -173,8 +130,12 @@ Vector3d InertialFilter<Frame>::vertical_part(const InertialModel& model, const 
     const Vector3d down = C_en.col(2), vertical = down.dot(df) * down;
     const double horizontal = (df - vertical).norm() / dt;
     if (horizontal < calm) return vertical;
-    // If not yet known, tilt and accelerometer errors may cause more: three sigma of their sum.
-    return horizontal * horizontal < 9.0 * horizontal_force_variance(model.layout, vertical / dt) ? vertical : df;
+    // If not yet known, they may cause more: three sigma of their sum.
+    constexpr int a = Layout::attitude, b = Layout::accel_bias;
+    const Matrix3d F = math::skew(vertical / dt), cross = F * P.block<3, 3>(a, b) * C.transpose();
+    const Matrix3d M =
+        F * P.block<3, 3>(a, a) * F.transpose() + C * P.block<3, 3>(b, b) * C.transpose() - cross - cross.transpose();
+    return horizontal * horizontal < 9.0 * (M.trace() - down.dot(M * down)) ? vertical : df;
 }
 
 template <class Frame>
@@ -250,7 +211,6 @@ bool InertialFilter<Frame>::propagate_covariance(const InertialModel& model, est
     parameters.tail(n - 9).array() *= cached_diagonal.tail(n - 9).array();
     if (model.loop != Loop::Closed) error = phi.times(error);
     mean_force = gathered.force / T;
-    judge_force(model);
     gathered.reset();
     return true;
 }

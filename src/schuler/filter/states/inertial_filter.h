@@ -63,9 +63,6 @@ struct BridgeNoise {
 /// s, time constant of the specific force used in rows with a latency: the averaging time of a receiver's velocity.
 inline constexpr double force_memory = 0.05;
 
-/// s, time constant of the specific force that is compared with the uncertainty due to tilt and accelerometer errors.
-inline constexpr double steady_memory = 0.5;
-
 /// Plain and copyable: a copy is a saved filter.
 template <class Frame>
 struct InertialFilter {
@@ -82,11 +79,6 @@ struct InertialFilter {
     Eigen::Vector3d mean_force = Eigen::Vector3d::Zero();  ///< specific force over the last interval, frame axes, m/s^2
     Eigen::Vector3d recent_force =
         Eigen::Vector3d::Zero();  ///< the same as an exponential mean over force_memory, independent of the intervals
-    Eigen::Vector3d steady_force = Eigen::Vector3d::Zero();  ///< the same over steady_memory
-    Eigen::Vector3d down = Eigen::Vector3d::UnitZ();         ///< frame axes, of the last interval
-    /// (m/s^2)^2: a horizontal specific force below it is not distinguishable from tilt and accelerometer errors; 0: not of interest, since
-    /// the heading is known.
-    double unknown_force2 = 0.0;
     double cached_time = -1.0;    ///< of decay and noise below, s
     StateVector cached_diagonal, cached_q;
     std::array<StateProcess, Layout::slots> slot_process{};  ///< of the source block, whose states are reassigned
@@ -180,11 +172,6 @@ private:
     /// Velocity increment that drives the error growth of a stationary body: the horizontal part of the measured one is noise, and a
     /// transition formed with it would derive heading information from noise (as many radians as the relative noise, at each measurement).
     [[nodiscard]] Eigen::Vector3d vertical_part(const InertialModel& model, const Eigen::Vector3d& df, double dt) const;
-    /// Variance of the computed horizontal specific force due to tilt and accelerometer errors, (m/s^2)^2. force: m/s^2, frame axes.
-    [[nodiscard]] double horizontal_force_variance(const Layout& layout, const Eigen::Vector3d& force) const;
-    /// Sets `down` and `unknown_force2` from the covariance. In unaccelerated motion there is no horizontal specific force: the computed one
-    /// is the error of tilt and accelerometers, and a transition formed with it would derive heading information from it.
-    void judge_force(const InertialModel& model);
     /// Rotation from the axes of the disturbance model to those of the frame.
     [[nodiscard]] Eigen::Matrix3d disturbance_axes(const InertialModel& model) const;
 };

@@ -63,9 +63,11 @@ bool EventMaker::is_due(const BaroSample& s) {
 bool EventMaker::is_due(const HeadingSample& s) const {
     if (!settings_.heading.use || !std::isfinite(s.heading)) return false;
     if (!settings_.heading.by_course) return true;
+    // Neither of its fixes lies in an outage, however long the chord and late the fixes are.
+    constexpr double reach = 0.5 * longest_chord + 1.0;  // s
     const double t = (s.time - origin_).seconds();
-    const auto withheld = [&](double at) { return is_withheld(settings_.outages, at); };
-    return !withheld(t - 0.5 * course_chord) && !withheld(t) && !withheld(t + 0.5 * course_chord);
+    return std::ranges::none_of(settings_.outages,
+                                [&](const Outage& o) { return o.start < t + reach && o.start + o.duration > t - reach; });
 }
 
 bool EventMaker::is_due(const MagSample& s) {

@@ -64,8 +64,12 @@ void judge_mounting(Study& study) {
     const Mounting& m = study.mounting;
     const bool supposed = m.forward_from == ForwardFrom::Supposed && !study.given.has("imu.axes") && !study.given.mounting_rpy;
     if (m.forward_from != ForwardFrom::Travel) {
-        if (study.vehicle == "ship") study.forward_supposed = m.found && supposed;  // the course shows the bow, not the unit's axes
-        constexpr double telling = 5.0;  // m/s
+        if (study.vehicle == "ship") {  // the course shows the bow, not the axes of the unit
+            study.forward_supposed = m.found && supposed;
+            return;
+        }
+        study.forward_supposed = m.found && supposed;  // the course shows the bow, not the unit's axes
+        constexpr double telling = 5.0;                // m/s
         std::vector<double> speeds;
         for (std::size_t k = 0; k < study.gnss.size(); ++k) speeds.push_back(study.gnss.speed(k));
         const bool travels = !speeds.empty() && quantile(std::move(speeds), 0.9) > telling;
@@ -74,8 +78,7 @@ void judge_mounting(Study& study) {
         if (study.still.any())
             study.draft.set("imu", "mounting_deg", std::string("estimate"),
                             "forward is only supposed here; the filter finds the direction of travel");
-        else if (supposed)
-            study.forward_supposed = true;
+        else if (supposed) study.forward_supposed = true;
         return;
     }
     const Eigen::Vector3d rpy = m.rest_rpy * per_deg;
@@ -89,7 +92,8 @@ void judge_mounting(Study& study) {
     const double sigma = std::max(least, m.forward_spread * per_deg / std::sqrt(std::max(1.0, m.epochs / 20.0)));
     study.found(
         "imu.mounting_deg", text, 0.85,
-        fmt::format("beyond the axes, from travel and mean vertical; pitch and yaw within {:.1f} deg, roll within about 2 deg", sigma));
+        fmt::format("beyond the axes, from travel and mean vertical; pitch and yaw within {:.1f} deg, roll within about 2 deg",
+                    sigma));
     if (std::hypot(rpy.y(), rpy.z()) > 2.0 * sigma || std::abs(rpy.x()) > least_roll) {
         study.draft.set("imu", "mounting_deg", std::string("estimate"),
                         fmt::format("{} beyond the axes found here; the filter finds it again", text));
@@ -97,7 +101,8 @@ void judge_mounting(Study& study) {
         study.draft.set("imu", "mounting_deg", std::vector<double>(3, 0.0),
                         fmt::format("likely: {} is not more than the method can tell", text));
         if (!study.given.mounting_rpy)
-            study.draft.set("imu", "found_mounting_std_deg", std::round(100.0 * std::max(sigma, std::hypot(rpy.y(), rpy.z()))) / 100.0,
+            study.draft.set("imu", "found_mounting_std_deg",
+                            std::round(100.0 * std::max(sigma, std::hypot(rpy.y(), rpy.z()))) / 100.0,
                             "pitch and yaw of that mounting, one sigma");
     }
 }

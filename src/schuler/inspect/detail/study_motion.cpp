@@ -208,12 +208,6 @@ Kind kind_of(const Study& study) {
     }
     const Travel& t = study.travel;
     const double deg = 1.0 / units::deg;
-    constexpr double fastest_ship = 25.0;  // m/s
-    const Waves waves = waves_of(study.imu, study.gnss);
-    if (waves.found && fast < fastest_ship && study.still.total < 0.1 * span)
-        return {"ship", 0.8,
-                fmt::format("it rolls and pitches by {:.1f} deg at the periods of waves throughout, and its height stays within {:.1f} m",
-                            waves.tilt * deg, waves.height)};
     constexpr double fastest_car = 80.0;  // m/s
     const double felt = felt_in_turns(study);
     if (t.epochs >= 30 && t.concentration > 0.9 && (fast > fastest_car || felt < 0.5)) {
@@ -227,6 +221,14 @@ Kind kind_of(const Study& study) {
                     "it travels along one sensor axis (within {:.1f} deg), tilts less than {:.0f} deg, slopes below {:.0f} deg",
                     t.spread * deg, t.tilt95 * deg, t.slope95 * deg)};
     }
+    // Behind the rule of wheels: on undulating ground these too tilt as on waves.
+    constexpr double fastest_ship = 25.0;  // m/s
+    const Waves waves = waves_of(study.imu, study.gnss);
+    if (waves.found && fast < fastest_ship && study.still.total < 0.1 * span)
+        return {"ship", 0.6,
+                fmt::format(
+                    "it rolls and pitches by {:.1f} deg at the periods of waves throughout, and its height stays within {:.1f} m",
+                    waves.tilt * deg, waves.height)};
     if (t.epochs >= 30 && (t.tilt95 >= 15.0 * units::deg || t.slope95 >= 15.0 * units::deg || t.concentration < 0.9)) {
         return {"air", 0.8,
                 t.concentration < 0.9 ? fmt::format("it travels in any direction of its own axes, up to {:.0f} m/s", fast)

@@ -16,8 +16,8 @@ namespace {
 using Eigen::Vector3d;
 using Series = std::vector<Vector3d>;
 
-constexpr double step = 0.2;                                      // s
-constexpr double shortest = 1.4, longest = 20.0, minutes = 120.0;  // s, lengths of the means that part the periods
+constexpr double step = 0.2;                                       // s
+constexpr double shortest = 1.4, longest = 20.0, slowest = 120.0;  // s, lengths of the means that separate the periods
 
 /// Means over `step`.
 struct Decimated {
@@ -45,7 +45,8 @@ Decimated decimated(const ImuSeries& imu, double from, double to) {
     if (rate.empty()) return d;
     mean /= static_cast<double>(rate.size());
     Vector3d angle = Vector3d::Zero();
-    for (const Vector3d& w : rate) d.angle.push_back(angle += step * (w - mean));
+    const double dt = (to - from) / static_cast<double>(rate.size());  // the samples may not divide a step
+    for (const Vector3d& w : rate) d.angle.push_back(angle += dt * (w - mean));
     return d;
 }
 
@@ -91,9 +92,9 @@ double height_range(const GnssSeries& gnss) {
 
 Waves waves_of(const ImuSeries& imu, const GnssSeries& gnss) {
     Waves out;
-    if (imu.empty() || gnss.empty() || !gnss.has_height) return out;
+    if (imu.empty() || gnss.empty() || !gnss.has_height || imu.step > step) return out;
     const double from = std::max(imu.t.front(), gnss.t.front()), to = std::min(imu.t.back(), gnss.t.back());
-    if (to - from < minutes) return out;
+    if (to - from < slowest) return out;
     const Decimated d = decimated(imu, from, to);
     Vector3d down = Vector3d::Zero();
     for (const Vector3d& f : d.force) down -= f;
@@ -102,11 +103,12 @@ Waves waves_of(const ImuSeries& imu, const GnssSeries& gnss) {
     down.normalize();
     const Series coarse = smoothed(d.angle, longest);
     const Series fast = smoothed(d.angle, shortest);
-    const Series tilt = band(fast, coarse, down), slow = band(coarse, smoothed(d.angle, minutes), down),
+    const Series tilt = band(fast, coarse, down), slow = band(coarse, smoothed(d.angle, slowest), down),
                  quick = band(d.angle, fast, down);
     const Series force = band(smoothed(d.force, shortest), smoothed(d.force, longest), down);
     const std::size_t n = tilt.size();
-    out.tilt = std::sqrt(std::min({mean_square(tilt, 0, n / 3), mean_square(tilt, n / 3, 2 * n / 3), mean_square(tilt, 2 * n / 3, n)}));
+    out.tilt =
+        std::sqrt(std::min({mean_square(tilt, 0, n / 3), mean_square(tilt, n / 3, 2 * n / 3), mean_square(tilt, 2 * n / 3, n)}));
     const double of_waves = mean_square(tilt, 0, n), all = of_waves + mean_square(slow, 0, n) + mean_square(quick, 0, n);
     out.share = all > 0.0 ? of_waves / all : 0.0;
     double left = 0.0;
@@ -114,7 +116,8 @@ Waves waves_of(const ImuSeries& imu, const GnssSeries& gnss) {
     const double whole = mean_square(force, 0, n) * static_cast<double>(n);
     out.felt = whole > 0.0 ? 1.0 - left / whole : 0.0;
     out.height = height_range(gnss);
-    constexpr double least_tilt = 0.15 * units::deg, least_share = 0.6, least_felt = 0.5, level = 8.0;  // m
+    constexpr double least_tilt = 0.15 * units::deg, least_share = 0.6, least_felt = 0.5;
+    constexpr double level = 8.0;  // m
     out.found = out.tilt > least_tilt && out.share > least_share && out.felt > least_felt && out.height < level;
     return out;
 }

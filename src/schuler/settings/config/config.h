@@ -59,8 +59,8 @@ struct Config : dataset::Description {
     std::string preset = "ins15";
     Scheme scheme = Scheme::Loose;
     std::optional<bool> scale_factors, misalignments;  ///< not given: on if the unit has them, misalignments for a car too
-    double leeway = 8.0 * units::deg;                  ///< ship: one sigma of the angle between bow and course, rad; 0: course not used
-    std::optional<bool> nonholonomic;                  ///< not given: on for a car
+    double leeway = 8.0 * units::deg;  ///< ship: one sigma of the angle between bow and course, rad; 0: course not used
+    std::optional<bool> nonholonomic;  ///< not given: on for a car
     fusion::Settings filter;
     GravityConfig gravity;
     AidsConfig aids;

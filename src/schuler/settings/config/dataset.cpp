@@ -100,9 +100,10 @@ void add_dataset_options(OptionTable<Config>& table) {
                                           {"static", VehicleKind::Static}},
                                          "chooses constraints and start-up; car enables the non-holonomic constraint",
                                          [](auto& c) -> auto& { return c.filter.vehicle; }))
-        .add(number<Config>("vehicle.leeway_deg", units::deg, 0, 45,
-                            "ship without a heading sensor: one sigma of the angle between bow and course over ground; 0 = the course is not used",
-                            [](auto& c) -> auto& { return c.leeway; }))
+        .add(number<Config>(
+            "vehicle.leeway_deg", units::deg, 0, 45,
+            "ship without a heading sensor: one sigma of the angle between bow and course over ground; 0 = the course is not used",
+            [](auto& c) -> auto& { return c.leeway; }))
         .add(earth_model())
         .add(special<Config>(
             "earth.gravity", "\"somigliana\", \"grs80\", \"kf-gins\", \"paper_a\" or \"paper_c\"", "gravity model",
