@@ -17,6 +17,8 @@ set(SCHULER_PRECOMPILED_serve ${SCHULER_CORE_HEADERS} <nlohmann/json.hpp>)
 set(SCHULER_PRECOMPILED_cli ${SCHULER_COMMON_HEADERS} <CLI/CLI.hpp>)
 set(SCHULER_PRECOMPILED_programs ${SCHULER_COMMON_HEADERS})
 set(SCHULER_PRECOMPILED_tests ${SCHULER_COMMON_HEADERS} <gtest/gtest.h>)
+set(SCHULER_PRECOMPILED_filter_tests ${SCHULER_PRECOMPILED_filter} <schuler/sim/simulate.h> <schuler/fusion/result.h>
+    <gtest/gtest.h>)
 
 # The first target of a name compiles its headers, the others use them. It must have no definition of its own that the others lack:
 # GCC would parse all again there.
