@@ -82,6 +82,7 @@ def facts_repeat(program, source):
     written = tomllib.loads((folder / "one/config.toml").read_text())
     check(written["imu"]["estimate_noise"] is False and written["gnss"]["estimate_std"] is False, "nothing is left to be tuned")
     check(isinstance(written["gnss"]["latency_s"], float), f"the latency in force: {written['gnss']['latency_s']}")
+    check("lever_arm_m" not in written["gnss"], "a lever arm that is neither given nor found is not given by config.toml")
     facts = facts_of(one)
     noise = facts["imu.gyro_noise_deg_sqrt_h"]
     check(noise["how"] == "found" and noise["sigma"] > 0 and noise["unit"] == "deg/sqrt(h)" and noise["to_s"] > noise["from_s"],

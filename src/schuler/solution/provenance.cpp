@@ -186,7 +186,13 @@ void take_in_force(settings::Config& c, const fusion::Findings& findings) {
 std::string config_in_force(const LoadedDataset& data) {
     settings::Config c = data.config;
     c.filter.gnss.height = data.logged_height;  // the log is read again, with its original heights
-    return settings::to_toml(settings::config_table().used(c), settings::config_table().specs(), true);
+    settings::SettingList used = settings::config_table().used(c);
+    // A default lever arm is not checked against the data; written down, it would be given in a repeated run, and checked.
+    const std::string lever_arm = "gnss.lever_arm_m";
+    const auto found = [&](const Fact& f) { return f.key == lever_arm && f.how != Known::Default; };
+    if (!data.given.contains(lever_arm) && std::ranges::none_of(data.facts, found))
+        std::erase_if(used, [&](const settings::Setting& s) { return s.key == lever_arm; });
+    return settings::to_toml(used, settings::config_table().specs(), true);
 }
 
 std::vector<Fact> facts_of(const ResultBundle& b) {
