@@ -22,7 +22,7 @@ struct RawObservations {
 /// headers, by their names, else the first by name. `alone`: no IMU is present, only single-epoch positions are possible.
 [[nodiscard]] RawObservations raw_observations(const std::filesystem::path& path, bool alone = true);
 
-/// Fixes of single epochs, by which an IMU beside raw measurements is judged; none where they give none: who loads them says why.
+/// Single-epoch fixes for the analysis of an IMU log recorded with raw measurements; empty on failure, which the loader reports.
 [[nodiscard]] inspect::ComputedFixes computed_fixes(const std::filesystem::path& folder, const RawGnssConfig& raw);
 
 }  // namespace schuler::dataset

@@ -329,7 +329,7 @@ Start found_start(const RunData& data, const Settings& settings, Findings& findi
         const Vector3d rpy = math::rpy_from_quaternion(search.best.nav.q_nb);
         // Errors are evaluated from here on, for any duration of the search: it ends where it begins.
         const Time until = std::min(search.until, std::max(motion, t0) + Duration::from_seconds(120.0));
-        // A mixture as wide as the course's own error knows nothing else.
+        // A mixture as wide as the error of the course contains no other information.
         start.heading_of_sensor = shown && settings.heading.by_course && !shown->by_mag && search.std > 0.5 * shown->std;
         if (search.decided) {
             findings.aligned_at = until;

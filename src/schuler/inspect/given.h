@@ -24,7 +24,7 @@ struct GivenFile {
     double time_offset = 0.0;                    ///< s, added to the file's times, whether or not the file is named
 };
 
-/// Fixes that no file of the data set holds: computed from raw measurements, epoch by epoch.
+/// Fixes that are in no file of the data set: computed from raw measurements, epoch by epoch.
 struct ComputedFixes {
     std::string source;          ///< name of the log of raw measurements
     std::vector<GnssFix> fixes;  ///< GPS time
@@ -33,7 +33,7 @@ struct ComputedFixes {
 struct Given {
     std::set<std::string> keys;  ///< of all given settings: "imu.axes"
     GivenFile imu, gnss, baro, mag, reference;
-    ComputedFixes computed;     ///< used where no log of fixes is found: they show axes, vehicle and clocks
+    ComputedFixes computed;     ///< used if no log of fixes is found, to determine axes, vehicle and clocks
     bool find_logs = true;      ///< the folder's other files may be the IMU and GNSS logs and the reference
     bool find_imu = true;       ///< ... the IMU log, even if others are named
     bool find_aids = true;      ///< ... the barometer and magnetometer logs

@@ -221,7 +221,7 @@ Kind kind_of(const Study& study) {
                     "it travels along one sensor axis (within {:.1f} deg), tilts less than {:.0f} deg, slopes below {:.0f} deg",
                     t.spread * deg, t.tilt95 * deg, t.slope95 * deg)};
     }
-    // Behind the rule of wheels: on undulating ground these too tilt as on waves.
+    // After the rule for cars, which tilt like ships on undulating ground.
     constexpr double fastest_ship = 25.0;  // m/s
     const Waves waves = waves_of(study.imu, study.gnss);
     if (waves.found && fast < fastest_ship && study.still.total < 0.1 * span)

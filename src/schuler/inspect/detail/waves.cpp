@@ -19,7 +19,7 @@ using Series = std::vector<Vector3d>;
 constexpr double step = 0.2;                                       // s
 constexpr double shortest = 1.4, longest = 20.0, slowest = 120.0;  // s, lengths of the means that separate the periods
 
-/// Means over `step`.
+/// Means over intervals of `step`.
 struct Decimated {
     Series angle;  ///< integrated rates less their mean, rad
     Series force;  ///< m/s^2
@@ -50,7 +50,7 @@ Decimated decimated(const ImuSeries& imu, double from, double to) {
     return d;
 }
 
-/// Centred means over `length`, shorter ones at the ends.
+/// Centred means over `length` (s), shorter ones at the ends.
 Series smoothed(const Series& x, double length) {
     const auto half = static_cast<std::size_t>(std::lround(0.5 * length / step));
     Series sums(x.size() + 1, Vector3d::Zero()), out(x.size());
@@ -62,7 +62,7 @@ Series smoothed(const Series& x, double length) {
     return out;
 }
 
-/// What the short mean has and the long one has not, across `down`.
+/// Difference of the short and the long mean, perpendicular to `down`.
 Series band(const Series& fine, const Series& coarse, const Vector3d& down) {
     Series out(fine.size());
     for (std::size_t i = 0; i < fine.size(); ++i) {
