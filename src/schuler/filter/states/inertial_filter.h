@@ -41,6 +41,7 @@ struct InertialModel {
     double gyro_gain = 0.0, accel_gain = 0.0;
     double gyro_vibration = 0.0, accel_vibration = 0.0;     ///< ImuSettings, scaled as the noise
     double found_mounting_std = 0.0;                        ///< rad, ImuSettings
+    double leeway_std = 0.0;                                ///< rad, if the heading sensor is the course of a ship
     std::array<StateProcess, estim::max_states> process{};  ///< of the states from index 9 on
     double clock_psd = 0.0, drift_psd = 0.0;                ///< m^2/s, m^2/s^3
     sensor::GnssErrorModel gnss;                            ///< of the receiver states; their decay may depend on speed
@@ -176,11 +177,12 @@ private:
     [[nodiscard]] Eigen::Matrix3d disturbance_axes(const InertialModel& model) const;
 };
 
-/// Reported covariance of position, velocity and attitude, local level: the filter's, the `undecided` hypotheses, and the
-/// uncertainty of an estimated mounting about the vehicle's right and down axes.
+/// Reported covariance of position, velocity and attitude, local level: the filter's, the `undecided` hypotheses, the leeway of a
+/// ship whose heading is known by its course only, and the uncertainty of an estimated mounting about the vehicle's right and down axes.
 template <class Frame>
 [[nodiscard]] Matrix9 reported_covariance(const InertialModel& model, const InertialFilter<Frame>& f, const Matrix9& undecided) {
     Matrix9 P = f.local_covariance(model) + undecided;
+    P(Layout::attitude + 2, Layout::attitude + 2) += model.leeway_std * model.leeway_std;
     if (!(model.found_mounting_std > 0.0)) return P;
     const Eigen::Matrix<double, 3, 2> across =
         model.found_mounting_std * f.geographic(model).q_nb.toRotationMatrix().template rightCols<2>();

@@ -128,8 +128,10 @@ InertialModel make_model(const Settings& settings, const Layout& layout) {
                       baro.bias_time > 0.0 ? StateProcess::markov(baro.bias_std, baro.bias_time)
                                            : StateProcess{0.0, baro.bias_walk * baro.bias_walk});
     constexpr double leeway_time = 600.0;  // s, in which wind, current and the course relative to them change
-    if (settings.heading.by_course)
+    if (settings.heading.by_course) {
+        model.leeway_std = settings.heading.offset_std;
         model.set_process(layout.heading_offset, 1, StateProcess::markov(settings.heading.offset_std, leeway_time));
+    }
     model.set_process(layout.mag_bias, 1, {0.0, settings.mag.bias_walk * settings.mag.bias_walk});
     // Loggers and receivers do not keep it to the millisecond: the estimate is forgotten, by some hundredths of a second per minute.
     const auto latency = [](double sigma) {
