@@ -2,7 +2,7 @@
 
 #include "schuler/core/units.h"
 #include "schuler/inspect/detail/robust.h"
-#include "schuler/inspect/detail/still.h"
+#include "schuler/inspect/motion/still.h"
 #include "schuler/math/rotation.h"
 #include "schuler/sensor/grades.h"
 

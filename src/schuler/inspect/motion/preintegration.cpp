@@ -1,4 +1,4 @@
-#include "schuler/inspect/detail/preintegration.h"
+#include "schuler/inspect/motion/preintegration.h"
 
 #include "schuler/math/rotation.h"
 

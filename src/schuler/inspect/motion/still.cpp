@@ -1,4 +1,4 @@
-#include "schuler/inspect/detail/still.h"
+#include "schuler/inspect/motion/still.h"
 
 #include "schuler/inspect/detail/robust.h"
 
