@@ -1,5 +1,5 @@
 // IMU and GNSS on clocks that differ: found by the motion of a synthetic car.
-#include "schuler/inspect/motion/clock.h"
+#include "schuler/inspect/detail/motion/clock.h"
 #include "schuler/inspect/inspect.h"
 
 #include "report_queries.h"

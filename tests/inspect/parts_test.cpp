@@ -1,7 +1,7 @@
 // The pieces: rhythm of a channel, agreement of curves, the motion fit and the velocity lag against closed forms.
 #include "schuler/inspect/detail/cadence.h"
+#include "schuler/inspect/detail/motion/preintegration.h"
 #include "schuler/inspect/detail/robust.h"
-#include "schuler/inspect/motion/preintegration.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Afloat or not: simulated ships against cars, walks and flights, whose tilt is not felt or whose height is not that of the sea.
-#include "schuler/inspect/motion/waves.h"
+#include "schuler/inspect/detail/motion/waves.h"
 
 #include "schuler/core/units.h"
 #include "schuler/math/random.h"

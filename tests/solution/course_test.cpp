@@ -1,6 +1,7 @@
 #include "schuler/solution/course.h"
 
 #include "schuler/core/units.h"
+#include "schuler/filter/states/model.h"
 #include "schuler/filter/stream/event_maker.h"
 #include "schuler/math/rotation.h"
 #include "schuler/settings/config/config.h"
@@ -72,6 +73,22 @@ TEST(Course, ContraryVelocitiesAreNone) {
     for (GnssFix& fix : data.recording.gnss) fix.velocity_n = Eigen::Vector3d(6.0 * std::cos(2.5), 6.0 * std::sin(2.5), 0.0);
     use_course(data);
     EXPECT_TRUE(data.recording.heading.empty());  // the track turns from 1.0 to 1.5 rad
+}
+
+TEST(Course, TheReportedHeadingHasItsLeeway) {
+    fusion::Settings settings;
+    settings.heading.offset_std = 0.1;
+    for (const bool by_course : {false, true}) {
+        settings.heading.by_course = by_course;
+        filter::Sensors sensors{};
+        sensors.heading = true;
+        const filter::InertialModel model = filter::make_model(settings, filter::layout_with(settings, sensors));
+        filter::InertialFilter<filter::GeographicFrame> f(model);
+        f.set_nav({.position = {0.9, 0.5, 10.0}});
+        const filter::Matrix9 P = filter::reported_covariance(model, f, filter::Matrix9::Zero());
+        EXPECT_NEAR(P(8, 8), by_course ? 0.01 : 0.0, 1e-12);
+        EXPECT_EQ(P.block(0, 0, 8, 8).norm(), 0.0);
+    }
 }
 
 TEST(Course, IsWithheldWithTheFixesItIsMadeOf) {

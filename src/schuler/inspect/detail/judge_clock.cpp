@@ -1,7 +1,7 @@
 // The clocks of IMU and GNSS: test of the stated times with the motion.
+#include "schuler/inspect/detail/motion/clock.h"
+#include "schuler/inspect/detail/motion/clock_steps.h"
 #include "schuler/inspect/detail/study.h"
-#include "schuler/inspect/motion/clock.h"
-#include "schuler/inspect/motion/clock_steps.h"
 
 #include "schuler/core/units.h"
 

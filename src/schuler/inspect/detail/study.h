@@ -3,12 +3,12 @@
 
 #include "schuler/inspect/detail/draft.h"
 #include "schuler/inspect/detail/loaded_file.h"
+#include "schuler/inspect/detail/motion/motion.h"
+#include "schuler/inspect/detail/motion/motion_fit.h"
+#include "schuler/inspect/detail/motion/mounting.h"
+#include "schuler/inspect/detail/motion/still.h"
 #include "schuler/inspect/detail/units_by_value.h"
 #include "schuler/inspect/inspect.h"
-#include "schuler/inspect/motion/motion.h"
-#include "schuler/inspect/motion/motion_fit.h"
-#include "schuler/inspect/motion/mounting.h"
-#include "schuler/inspect/motion/still.h"
 
 #include <optional>
 #include <vector>

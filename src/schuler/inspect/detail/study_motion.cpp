@@ -2,8 +2,8 @@
 #include "schuler/inspect/detail/study.h"
 
 #include "schuler/core/units.h"
-#include "schuler/inspect/motion/clock.h"
-#include "schuler/inspect/motion/waves.h"
+#include "schuler/inspect/detail/motion/clock.h"
+#include "schuler/inspect/detail/motion/waves.h"
 #include "schuler/math/rotation.h"
 
 #include <fmt/format.h>

@@ -1,8 +1,8 @@
 #include "schuler/inspect/detail/units_by_value.h"
 
 #include "schuler/core/units.h"
+#include "schuler/inspect/detail/motion/still.h"
 #include "schuler/inspect/detail/robust.h"
-#include "schuler/inspect/motion/still.h"
 #include "schuler/math/rotation.h"
 #include "schuler/sensor/grades.h"
 

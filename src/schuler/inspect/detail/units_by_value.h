@@ -2,7 +2,7 @@
 #pragma once
 
 #include "schuler/inspect/detail/loaded_file.h"
-#include "schuler/inspect/motion/motion.h"
+#include "schuler/inspect/detail/motion/motion.h"
 
 #include <optional>
 #include <string>

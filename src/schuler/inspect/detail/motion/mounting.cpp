@@ -1,4 +1,4 @@
-#include "schuler/inspect/motion/mounting.h"
+#include "schuler/inspect/detail/motion/mounting.h"
 
 #include "schuler/core/units.h"
 #include "schuler/math/rotation.h"

@@ -1,4 +1,4 @@
-#include "schuler/inspect/motion/clock.h"
+#include "schuler/inspect/detail/motion/clock.h"
 
 #include "schuler/math/fft.h"
 #include "schuler/math/rotation.h"

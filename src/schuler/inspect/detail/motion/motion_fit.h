@@ -2,8 +2,8 @@
 // directions in sensor axes and the lag of the GNSS without knowledge of the mounting.
 #pragma once
 
+#include "schuler/inspect/detail/motion/motion.h"
 #include "schuler/inspect/detail/robust.h"
-#include "schuler/inspect/motion/motion.h"
 
 #include <Eigen/Core>
 

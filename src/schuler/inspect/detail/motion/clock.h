@@ -1,8 +1,8 @@
 // IMU time relative to GNSS time from the motion recorded by both logs: no attitude, units or biases required.
 #pragma once
 
-#include "schuler/inspect/motion/motion.h"
-#include "schuler/inspect/motion/motion_fit.h"
+#include "schuler/inspect/detail/motion/motion.h"
+#include "schuler/inspect/detail/motion/motion_fit.h"
 
 #include <optional>
 #include <string>

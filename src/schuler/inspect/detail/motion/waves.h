@@ -1,7 +1,7 @@
 // Recognition of a ship: it rolls and pitches with the waves and keeps its height.
 #pragma once
 
-#include "schuler/inspect/motion/motion.h"
+#include "schuler/inspect/detail/motion/motion.h"
 
 namespace schuler::inspect::detail {
 

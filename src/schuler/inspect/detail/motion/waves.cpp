@@ -1,4 +1,4 @@
-#include "schuler/inspect/motion/waves.h"
+#include "schuler/inspect/detail/motion/waves.h"
 
 #include "schuler/core/units.h"
 #include "schuler/inspect/detail/robust.h"

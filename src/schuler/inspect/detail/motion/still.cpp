@@ -1,4 +1,4 @@
-#include "schuler/inspect/motion/still.h"
+#include "schuler/inspect/detail/motion/still.h"
 
 #include "schuler/inspect/detail/robust.h"
 

@@ -1,4 +1,4 @@
-#include "schuler/inspect/motion/preintegration.h"
+#include "schuler/inspect/detail/motion/preintegration.h"
 
 #include "schuler/math/rotation.h"
 

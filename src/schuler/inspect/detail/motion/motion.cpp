@@ -1,4 +1,4 @@
-#include "schuler/inspect/motion/motion.h"
+#include "schuler/inspect/detail/motion/motion.h"
 
 #include "schuler/earth/earth.h"
 #include "schuler/inspect/detail/robust.h"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "schuler/core/samples.h"
-#include "schuler/inspect/motion/motion_fit.h"
+#include "schuler/inspect/detail/motion/motion_fit.h"
 
 #include <Eigen/Core>
 

@@ -1,7 +1,7 @@
 // Standstill periods of the vehicle, and the sensor output during them.
 #pragma once
 
-#include "schuler/inspect/motion/motion.h"
+#include "schuler/inspect/detail/motion/motion.h"
 
 #include <Eigen/Core>
 

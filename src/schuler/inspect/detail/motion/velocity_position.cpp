@@ -1,5 +1,5 @@
 // Velocity compared with position of one receiver: which column is older.
-#include "schuler/inspect/motion/motion_fit.h"
+#include "schuler/inspect/detail/motion/motion_fit.h"
 
 #include <algorithm>
 #include <cmath>

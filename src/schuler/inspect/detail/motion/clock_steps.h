@@ -1,8 +1,8 @@
 // Clock steps within a log, detected from the motion before and after them.
 #pragma once
 
+#include "schuler/inspect/detail/motion/motion.h"
 #include "schuler/inspect/inspect.h"
-#include "schuler/inspect/motion/motion.h"
 
 #include <vector>
 

@@ -1,6 +1,6 @@
-#include "schuler/inspect/motion/motion_fit.h"
+#include "schuler/inspect/detail/motion/motion_fit.h"
 
-#include "schuler/inspect/motion/preintegration.h"
+#include "schuler/inspect/detail/motion/preintegration.h"
 #include "schuler/math/rotation.h"
 
 #include <Eigen/Cholesky>

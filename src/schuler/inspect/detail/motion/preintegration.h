@@ -1,7 +1,7 @@
 // Specific force integrated in the sensor axes of a start sample, with its derivatives with respect to the biases.
 #pragma once
 
-#include "schuler/inspect/motion/motion.h"
+#include "schuler/inspect/detail/motion/motion.h"
 
 #include <Eigen/Core>
 

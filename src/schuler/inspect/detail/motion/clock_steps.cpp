@@ -1,8 +1,8 @@
-#include "schuler/inspect/motion/clock_steps.h"
+#include "schuler/inspect/detail/motion/clock_steps.h"
 
+#include "schuler/inspect/detail/motion/motion_fit.h"
+#include "schuler/inspect/detail/motion/mounting.h"
 #include "schuler/inspect/detail/study.h"
-#include "schuler/inspect/motion/motion_fit.h"
-#include "schuler/inspect/motion/mounting.h"
 
 #include <fmt/format.h>
 
