@@ -84,7 +84,9 @@ TEST(Course, TheReportedHeadingHasItsLeeway) {
         sensors.heading = true;
         const filter::InertialModel model = filter::make_model(settings, filter::layout_with(settings, sensors));
         filter::InertialFilter<filter::GeographicFrame> f(model);
-        f.set_nav({.position = {0.9, 0.5, 10.0}});
+        NavState somewhere;
+        somewhere.position = {0.9, 0.5, 10.0};
+        f.set_nav(somewhere);
         const filter::Matrix9 P = filter::reported_covariance(model, f, filter::Matrix9::Zero());
         EXPECT_NEAR(P(8, 8), by_course ? 0.01 : 0.0, 1e-12);
         EXPECT_EQ(P.block(0, 0, 8, 8).norm(), 0.0);
