@@ -42,6 +42,7 @@ void GatheredMotion::reset() {
     time = distance = gyro_variance = accel_variance = 0.0;
     force.setZero();
     force_twice.setZero();
+    acceleration.setZero();
     turn.setZero();
     turn_twice.setZero();
     velocity_by_gyro.setZero();

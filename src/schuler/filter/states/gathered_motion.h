@@ -29,12 +29,13 @@ struct BiasNoise {
 struct GatheredMotion {
     using Columns = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 9>;
 
-    double time = 0.0;                                      ///< s
-    double distance = 0.0;                                  ///< m (or s) along the track, if the gravity disturbance is a state
-    Eigen::Vector3d force = Eigen::Vector3d::Zero();        ///< integral of specific force, m/s
-    Eigen::Vector3d force_twice = Eigen::Vector3d::Zero();  ///< its integral, m
-    Eigen::Matrix3d turn = Eigen::Matrix3d::Zero();         ///< integral of C: attitude by gyro bias, s
-    Eigen::Matrix3d turn_twice = Eigen::Matrix3d::Zero();   ///< its integral, s^2
+    double time = 0.0;                                       ///< s
+    double distance = 0.0;                                   ///< m (or s) along the track, if the gravity disturbance is a state
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();         ///< integral of specific force, m/s
+    Eigen::Vector3d force_twice = Eigen::Vector3d::Zero();   ///< its integral, m
+    Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  ///< change of the computed velocity, m/s
+    Eigen::Matrix3d turn = Eigen::Matrix3d::Zero();          ///< integral of C: attitude by gyro bias, s
+    Eigen::Matrix3d turn_twice = Eigen::Matrix3d::Zero();    ///< its integral, s^2
     Eigen::Matrix3d velocity_by_gyro = Eigen::Matrix3d::Zero();  ///< by gyro bias, m
     Eigen::Matrix3d position_by_gyro = Eigen::Matrix3d::Zero();  ///< m s
     /// The same for scale factors and misalignments, scale first; no columns if they are not states.

@@ -100,7 +100,8 @@ void InertialFilter<Frame>::propagate(const InertialModel& model, const ImuIncre
     const ImuIncrement inc = corrected(model, raw);
     ins::CompensatedIncrement motion = ins::compensate(previous, inc);
     const Matrix3d C0 = C;
-    const Vector3d df = C0 * motion.dv;  // dv is resolved in the body axes at the start of the step
+    const Vector3d velocity0 = Frame::velocity(nav),
+                   df = C0 * motion.dv;  // dv is resolved in the body axes at the start of the step
     if (model.layout.gravity_constant >= 0) {
         follow_disturbance(model, 0.5 * dt);  // at mid-step
         motion.dv += felt_disturbance(model, dt);
@@ -119,15 +120,15 @@ void InertialFilter<Frame>::propagate(const InertialModel& model, const ImuIncre
         gyro_psd += more.gyro_psd;
         accel_psd += more.accel_psd;
     }
-    gathered.add(model.layout, dt, 0.5 * (C0 + C), bridge.standing ? vertical_part(model, df, dt) : df, w_ib_b, inc.dv / dt,
-                 gyro_psd, accel_psd);
+    const Vector3d effective = bridge.standing ? vertical_part(model, df, dt) : df;
+    gathered.add(model.layout, dt, 0.5 * (C0 + C), effective, w_ib_b, inc.dv / dt, gyro_psd, accel_psd);
+    gathered.acceleration += Frame::velocity(nav) - velocity0 - (df - effective);
 }
 
 template <class Frame>
 Vector3d InertialFilter<Frame>::vertical_part(const InertialModel& model, const Vector3d& df, double dt) const {
     constexpr double calm = 0.2;  // m/s^2: more than noise, known bias and known level cause for a body at rest
-    const Matrix3d C_en = Frame::errors_are_geographic ? Matrix3d(Matrix3d::Identity()) : Frame::C_en(model.earth, nav);
-    const Vector3d down = C_en.col(2), vertical = down.dot(df) * down;
+    const Vector3d down = down_axis(model), vertical = down.dot(df) * down;
     const double horizontal = (df - vertical).norm() / dt;
     if (horizontal < calm) return vertical;
     // If not yet known, they may cause more: three sigma of their sum.
@@ -160,8 +161,39 @@ Vector3d InertialFilter<Frame>::felt_disturbance(const InertialModel& model, dou
 }
 
 template <class Frame>
-void InertialFilter<Frame>::fill_transition(const InertialModel& model, estim::Transition& phi) const {
+Vector3d InertialFilter<Frame>::down_axis(const InertialModel& model) const {
+    if constexpr (Frame::errors_are_geographic) return Vector3d::UnitZ();
+    else return Frame::C_en(model.earth, nav).col(2);
+}
+
+template <class Frame>
+HeadingForce InertialFilter<Frame>::force_for_heading(const InertialModel& model) const {
+    const Vector3d down = down_axis(model);
+    // of the velocity at the end of the interval, by that of velocity, level and accelerometer biases at its start
+    constexpr int v = Layout::velocity, a = Layout::attitude, b = Layout::accel_bias;
+    const Vector3d vertical = down.dot(gathered.force) * down;
+    const Matrix3d by_level = math::skew(vertical), &by_bias = gathered.turn;
+    const Matrix3d cross = P.block<3, 3>(v, a) * by_level.transpose() - P.block<3, 3>(v, b) * by_bias.transpose() -
+                           by_level * P.block<3, 3>(a, b) * by_bias.transpose();
+    const Matrix3d velocity = P.block<3, 3>(v, v) + by_level * P.block<3, 3>(a, a) * by_level.transpose() +
+                              by_bias * P.block<3, 3>(b, b) * by_bias.transpose() + cross + cross.transpose();
+    // less what the heading itself contributes: it is not what makes the acceleration uncertain
+    const double heading = down.dot(P.block<3, 3>(a, a) * down);
+    const Vector3d by_heading = (P.block<3, 3>(v, a) + by_level * P.block<3, 3>(a, a) - by_bias * P.block<3, 3>(b, a)) * down;
+    const Matrix3d apart = heading > 0.0 ? Matrix3d(velocity - by_heading * by_heading.transpose() / heading) : velocity;
+    return heading_force(gathered.acceleration, withheld, down, apart, std::max(0.0, heading));
+}
+
+template <class Frame>
+void InertialFilter<Frame>::fill_transition(const InertialModel& model, const HeadingForce& force, estim::Transition& phi) const {
     gathered.fill(model.layout, phi);
+    // What is withheld is a part of the acceleration: the force that balances gravity and the Coriolis acceleration is smooth.
+    const Vector3d& all = gathered.acceleration;
+    const Vector3d column = (force.effective - (all - force.down.dot(all) * force.down)).cross(force.down);
+    for (int i = 0; i < 3; ++i) {
+        phi.rows.col(Layout::velocity + i).template segment<3>(Layout::attitude) += column(i) * force.down;
+        phi.rows.col(Layout::position + i).template segment<3>(Layout::attitude) += 0.5 * gathered.time * column(i) * force.down;
+    }
     if (model.layout.gravity_constant >= 0)
         fill_disturbance(model.disturbance, model.layout, gathered.time, gathered.distance, disturbance_axes(model), phi);
     gathered.add_earth(Frame::dynamics(model.earth, nav, Vector3d::Zero()), phi);
@@ -191,10 +223,13 @@ bool InertialFilter<Frame>::propagate_covariance(const InertialModel& model, est
     }
     phi.diagonal = cached_diagonal;
     phi.shear_count = 0;
-    fill_transition(model, phi);
+    const HeadingForce force = force_for_heading(model);
+    fill_transition(model, force, phi);
     if (L.clock >= 0) phi.shears[static_cast<std::size_t>(phi.shear_count++)] = {L.clock, L.drift, T};
     estim::propagate(P, phi, used);
     gathered.add_noise(bias_noise(model), P);
+    P.block<3, 3>(Layout::velocity, Layout::velocity) += force.velocity_noise;
+    withheld = force.withheld;
     P.diagonal().head(used) += cached_q.head(used);
     if (L.clock >= 0) {
         const double cross = 0.5 * model.drift_psd * T * T;
@@ -209,7 +244,13 @@ bool InertialFilter<Frame>::propagate_covariance(const InertialModel& model, est
                               model.disturbance.from_local_level(Frame::C_en(model.earth, nav)), disturbance_axes(model), P);
     // the nominal values of the disturbance were propagated with the nominal state
     parameters.tail(n - 9).array() *= cached_diagonal.tail(n - 9).array();
-    if (model.loop != Loop::Closed) error = phi.times(error);
+    if (model.loop != Loop::Closed) {
+        const Vector3d before = error.segment<3>(Layout::velocity);
+        error = phi.times(error);
+        // the acceleration of the estimate, not that of the nominal state
+        const Vector3d of_error = error.segment<3>(Layout::velocity) - before;
+        withheld.change -= of_error - force.down.dot(of_error) * force.down;
+    }
     mean_force = gathered.force / T;
     gathered.reset();
     return true;
@@ -256,6 +297,8 @@ Eigen::Vector3d InertialFilter<Frame>::sigma_apart(const InertialModel& model, c
 
 template <class Frame>
 void InertialFilter<Frame>::apply(const InertialModel& model, const StateVector& dx) {
+    const Vector3d by = dx.segment<3>(Layout::velocity), down = down_axis(model);
+    withheld.correct(down.dot(by) * down - by);
     if (model.loop != Loop::Closed) {
         error += dx;
         return;
@@ -345,8 +388,10 @@ Matrix9 InertialFilter<Frame>::local_covariance(const InertialModel& model) cons
     if (gathered.time > 0.0) {
         estim::Transition phi;
         if (model.layout.gravity_constant >= 0) phi.diagonal = StateVector::Ones(P.rows());
-        fill_transition(model, phi);
+        const HeadingForce force = force_for_heading(model);
+        fill_transition(model, force, phi);
         P9 = estim::propagated_corner(P, phi) + gathered.noise(bias_noise(model));
+        P9.block<3, 3>(Layout::velocity, Layout::velocity) += force.velocity_noise;
     }
     if constexpr (Frame::errors_are_geographic) return P9;
     const Matrix9 T = to_local_level(model);

@@ -10,6 +10,7 @@
 #include "schuler/filter/states/disturbance.h"
 #include "schuler/filter/states/frame.h"
 #include "schuler/filter/states/gathered_motion.h"
+#include "schuler/filter/states/heading_force.h"
 #include "schuler/filter/states/layout.h"
 #include "schuler/sensor/grades.h"
 
@@ -80,6 +81,7 @@ struct InertialFilter {
     Eigen::Vector3d mean_force = Eigen::Vector3d::Zero();  ///< specific force over the last interval, frame axes, m/s^2
     Eigen::Vector3d recent_force =
         Eigen::Vector3d::Zero();  ///< the same as an exponential mean over force_memory, independent of the intervals
+    Withheld withheld;            ///< from the column of the heading
     double cached_time = -1.0;    ///< of decay and noise below, s
     StateVector cached_diagonal, cached_q;
     std::array<StateProcess, Layout::slots> slot_process{};  ///< of the source block, whose states are reassigned
@@ -165,7 +167,10 @@ struct InertialFilter {
 
 private:
     /// Rows and gravity disturbance of the transition over the gathered motion; D and shears of phi are those of the other states.
-    void fill_transition(const InertialModel& model, estim::Transition& phi) const;
+    void fill_transition(const InertialModel& model, const HeadingForce& force, estim::Transition& phi) const;
+    [[nodiscard]] Eigen::Vector3d down_axis(const InertialModel& model) const;
+    /// What the gathered motion says about the heading.
+    [[nodiscard]] HeadingForce force_for_heading(const InertialModel& model) const;
     /// Nominal gravity disturbance and `gathered.distance` after dt at the current velocity.
     void follow_disturbance(const InertialModel& model, double dt);
     /// The disturbance as sensed by the accelerometers over dt: m/s, body axes.

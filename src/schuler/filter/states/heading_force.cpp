@@ -1,0 +1,60 @@
+#include "schuler/filter/states/heading_force.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace schuler::filter {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+namespace {
+
+constexpr double bound = 2.0;  ///< one sigma of the horizontal velocity
+/// rad, sigmas of the heading: below the first the products of two errors have no weight in hours, from the second on they have.
+constexpr double known = 0.0175, unknown = 0.05;
+
+Vector3d horizontal(const Vector3d& v, const Vector3d& down) { return v - down.dot(v) * down; }
+
+void shorten(Vector3d& v, double limit) {
+    if (const double size = v.norm(); size > limit) v *= limit / size;
+}
+
+}  // namespace
+
+void Withheld::correct(const Vector3d& horizontal) {
+    change += horizontal;
+    shorten(change, limit);
+    covered = change.norm();
+    noise = 0.0;
+}
+
+HeadingForce heading_force(const Vector3d& change, const Withheld& before, const Vector3d& down, const Matrix3d& velocity,
+                           double heading_variance) {
+    HeadingForce out;
+    out.down = down;
+    const double velocity_variance =
+        std::max(0.0, velocity.trace() - down.dot(velocity * down) - before.noise);  // the noise must not raise its own bound
+    const double weight = (heading_variance - known * known) / (unknown * unknown - known * known);
+    Withheld& w = out.withheld;
+    w.limit = bound * std::sqrt(velocity_variance) * std::clamp(weight, 0.0, 1.0);
+    // A limit that has become smaller brings up nothing of the past: that would not be an acceleration of now.
+    w.change = horizontal(before.change, down);
+    shorten(w.change, w.limit);
+    w.covered = std::min(before.covered, w.limit);
+    w.noise = before.noise;
+    const Vector3d sum = w.change + horizontal(change, down);
+    w.change = sum;
+    shorten(w.change, w.limit);
+    out.effective = sum - w.change;
+    if (const double size = w.change.norm(); size > w.covered) {
+        const Vector3d across = down.cross(w.change) / size;
+        const double more = std::min(1.0, heading_variance) * (size * size - w.covered * w.covered);
+        out.velocity_noise = more * across * across.transpose();
+        w.noise += more;
+        w.covered = size;
+    }
+    return out;
+}
+
+}  // namespace schuler::filter
