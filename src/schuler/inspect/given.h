@@ -36,6 +36,7 @@ struct Given {
     ComputedFixes computed;     ///< used if no log of fixes is found, to determine axes, vehicle and clocks
     bool find_logs = true;      ///< the folder's other files may be the IMU and GNSS logs and the reference
     bool find_imu = true;       ///< ... the IMU log, even if others are named
+    bool find_gnss = true;      ///< ... the log of fixes, even if others are named
     bool find_aids = true;      ///< ... the barometer and magnetometer logs
     bool weighs_field = false;  ///< the user of the magnetometer weights its samples: a disturbed one is not excluded
     std::map<std::string, std::string> fix_codes;

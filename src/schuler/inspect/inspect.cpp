@@ -90,13 +90,16 @@ int preference(const LoadedFile& file) {
     return points;
 }
 
+const GivenFile* given_for(const Given& given, io::TableKind kind) {
+    return kind == io::TableKind::Imu         ? &given.imu
+           : kind == io::TableKind::Gnss      ? &given.gnss
+           : kind == io::TableKind::Baro      ? &given.baro
+           : kind == io::TableKind::Mag       ? &given.mag
+           : kind == io::TableKind::Reference ? &given.reference
+                                              : nullptr;
+}
 const GivenFile* named(const Given& given, io::TableKind kind) {
-    const GivenFile* file = kind == io::TableKind::Imu         ? &given.imu
-                            : kind == io::TableKind::Gnss      ? &given.gnss
-                            : kind == io::TableKind::Baro      ? &given.baro
-                            : kind == io::TableKind::Mag       ? &given.mag
-                            : kind == io::TableKind::Reference ? &given.reference
-                                                               : nullptr;
+    const GivenFile* file = given_for(given, kind);
     return file != nullptr && !file->path.empty() ? file : nullptr;
 }
 
@@ -119,7 +122,9 @@ LoadedFile* choose(Study& study, io::TableKind kind, const std::string& section)
     const Given& given = study.given;
     if (kind == io::TableKind::Gnss && !study.files.empty() && study.files.back().computed) return &study.files.back();
     const bool aid = kind == io::TableKind::Baro || kind == io::TableKind::Mag;
-    const bool may = aid ? given.find_aids : given.find_logs || (kind == io::TableKind::Imu && given.find_imu);
+    const bool may = aid ? given.find_aids
+                         : given.find_logs || (kind == io::TableKind::Imu && given.find_imu) ||
+                               (kind == io::TableKind::Gnss && given.find_gnss);
     if (!may) return nullptr;
     for (LoadedFile& file : study.files) {
         if (file.table != kind || file.as.kind || is_result(file)) continue;
@@ -228,6 +233,28 @@ std::string_view name_of(Level level) {
 
 namespace {
 
+constexpr std::array roles{io::TableKind::Imu, io::TableKind::Gnss, io::TableKind::Baro, io::TableKind::Mag,
+                           io::TableKind::Reference};
+
+/// A log that was found, with the columns, scales and codes given for its role without a file. Columns may also tell the role.
+LoadedFile as_given(LoadedFile file, const Given& given) {
+    for (const io::TableKind kind : roles) {
+        const GivenFile& given_file = *given_for(given, kind);
+        detail::ReadAs as{kind, {given_file.columns, given_file.scale, {}}, {}, 0.0};
+        if (kind == io::TableKind::Gnss) as.fix_codes = given.fix_codes;
+        if (!given_file.path.empty() || (given_file.columns.empty() && given_file.scale.empty() && as.fix_codes.empty()))
+            continue;
+        const bool stream = !io::stream_path(file.path).stream.empty();
+        if (file.table ? *file.table != kind : stream || given_file.columns.empty()) continue;
+        LoadedFile again = stream ? detail::load_given_stream(file.path, file.report.path, as)
+                                  : detail::load_file(file.path, file.report.path, as);
+        if (!again.table) continue;
+        again.as.kind.reset();  // found, not named
+        return again;
+    }
+    return file;
+}
+
 /// Loads a file according to its type: a table, or a log of several instruments.
 void load_one(const fs::path& file, const std::string& name, Study& study) {
     const io::Format* format = nullptr;
@@ -242,13 +269,13 @@ void load_one(const fs::path& file, const std::string& name, Study& study) {
         (format->name == "ubx" ||
          (format->name == "novatel" &&
           io::raw_format(file) == io::RawFormat::Novatel));  // raw measurements first, then the receiver's own solution
-    if (!streams || receiver) study.files.push_back(detail::load_file(file, name));
+    if (!streams || receiver) study.files.push_back(as_given(detail::load_file(file, name), study.given));
     if (!streams || (receiver && study.files.back().report.kind != format->name)) return;
     const std::size_t whole = study.files.size() - 1;
     for (LoadedFile& stream : detail::load_streams(file, name, *format)) {
         if (receiver && !stream.table) continue;
         if (receiver) std::erase_if(study.files[whole].report.problems, [](const Problem& p) { return p.level == Level::Error; });
-        study.files.push_back(std::move(stream));
+        study.files.push_back(as_given(std::move(stream), study.given));
     }
 }
 
@@ -258,11 +285,10 @@ void load_files(const fs::path& path, Study& study) {
     const bool folder = fs::is_directory(path, failure) && io::format_of(path) == nullptr;
     const Given& given = study.given;
     std::vector<fs::path> others;
-    if (given.find_logs || given.find_imu || given.find_aids || !folder)
+    if (given.find_logs || given.find_imu || given.find_gnss || given.find_aids || !folder)
         others = folder ? files_in(path, study) : std::vector<fs::path>{path};
     study.files.reserve(others.size() + 6);
-    for (const auto kind :
-         {io::TableKind::Imu, io::TableKind::Gnss, io::TableKind::Baro, io::TableKind::Mag, io::TableKind::Reference}) {
+    for (const io::TableKind kind : roles) {
         const GivenFile* file = named(given, kind);
         if (file == nullptr) continue;
         if (!fs::is_regular_file(file->path, failure)) {
@@ -300,7 +326,7 @@ void load_files(const fs::path& path, Study& study) {
 void date_facts(const Study& study, std::vector<Fact>& facts) {
     if (study.imu.empty()) return;
     double from = study.imu.t.front(), to = study.imu.t.back();
-    if (study.overlap) {
+    if (study.overlap && !study.gnss.empty()) {
         from = std::max(from, study.gnss.t.front());
         to = std::min(to, study.gnss.t.back());
     }

@@ -38,6 +38,7 @@ void resolve(Dataset& d, const fs::path& path, dataset::Needs needs, const Setti
     inspect::Given g = given_of(said, given, d.folder);
     g.find_aids = may_find_aids;
     g.find_imu = g.find_imu && may_find_aids;
+    g.find_gnss = g.find_gnss && may_find_aids && needs == dataset::Needs::ImuAndGnss;
     g.weighs_field = needs == dataset::Needs::Attitude;
     if (said.scheme == Scheme::Gnss && said.imu.file.empty() && !g.find_logs) {  // nothing to search for
         needs = dataset::Needs::Imu;

@@ -29,7 +29,8 @@ struct ToValue {
 };
 
 inspect::GivenFile file_of(const dataset::FileSource& source, const std::filesystem::path& folder, const std::string& key) {
-    if (source.file.empty()) return {{}, {}, {}, {}, source.time_offset};  // for the log that takes this role
+    if (source.file.empty())  // for the log that takes this role
+        return {{}, {}, source.columns, source.scale, source.time_offset};
     return {dataset::resolved(folder, source.file, key), source.file, source.columns, source.scale, source.time_offset};
 }
 
@@ -101,6 +102,9 @@ inspect::Given given_of(const Config& c, const SettingList& given, const std::fi
     g.mag = file_of(c.mag, folder, "mag.file");
     g.reference = file_of(c.reference, folder, "reference.file");
     g.find_imu = c.imu.file.empty();
+    // with a start that is given the IMU may be meant to navigate alone
+    g.find_gnss = c.gnss.file.empty() && c.raw.observations.empty() && c.ranges.file.empty() &&
+                  std::ranges::none_of(g.keys, [](const std::string& key) { return key.starts_with("initial."); });
     g.find_logs = c.imu.file.empty() && c.gnss.file.empty() && c.raw.observations.empty() && c.ranges.file.empty();
     g.fix_codes = c.fix_codes;
     if (g.has("vehicle.kind")) g.vehicle = vehicle_name(c);

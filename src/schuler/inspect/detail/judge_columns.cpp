@@ -1,4 +1,4 @@
-// Columns whose content differs from their names: exchanged latitude and longitude, gyros of opposite sign.
+// Columns whose content differs from their names: exchanged latitude and longitude, sensors of opposite sign or with exchanged axes.
 #include "schuler/inspect/detail/study.h"
 
 #include "schuler/core/units.h"
@@ -155,6 +155,90 @@ bool judge_gyro_signs(Study& study) {
     return true;
 }
 
+namespace {
+
+constexpr std::array<const char*, 3> accel_names{"accel_x_m_s2", "accel_y_m_s2", "accel_z_m_s2"};
+
+/// An assignment of the three accelerometer columns to the axes, all turned round or not.
+struct Columns {
+    std::array<int, 3> from{0, 1, 2};
+    bool negated = false;
+    [[nodiscard]] Eigen::Vector3d operator()(const Eigen::Vector3d& f) const {
+        return (negated ? -1.0 : 1.0) * Eigen::Vector3d(f(from[0]), f(from[1]), f(from[2]));
+    }
+};
+constexpr std::array<Columns, 6> assignments{
+    {{{0, 1, 2}, true}, {{1, 0, 2}, false}, {{2, 1, 0}, false}, {{0, 2, 1}, false}, {{1, 2, 0}, false}, {{2, 0, 1}, false}}};
+
+MotionFit fit_with(const Study& study, FitSource source, const Columns& columns) {
+    ImuSeries read = study.imu;
+    for (Eigen::Vector3d& f : read.f) f = columns(f);
+    return fit_motion(read, study.gnss, source, study.still.w, study.still.any(), study.gravity);
+}
+
+void read_as(Study& study, const Columns& columns, const std::string& why) {
+    LoadedFile& file = *study.imu_file;
+    std::string text;
+    if (columns.negated) {
+        text = "accelerometer turned round in all axes";
+        const auto unit = std::ranges::find(study.imu_units, "accel_m_s2", &UnitChange::key);
+        if (unit != study.imu_units.end()) unit->factor = -unit->factor;
+        else study.imu_units.push_back({"accel_m_s2", -file.plan.find(accel_names[0])->factor, "turned round", 0.9, why, false});
+        for (const char* name : accel_names)
+            for (double& v : file.columns[name]) v = -v;
+    } else {
+        std::array<std::vector<double>, 3> values;
+        for (std::size_t i = 0; i < 3; ++i) values[i] = file.columns[accel_names[i]];
+        for (std::size_t i = 0; i < 3; ++i) {
+            const auto from = static_cast<std::size_t>(columns.from[i]);
+            if (from == i) continue;
+            const std::string& name = file.plan.find(accel_names[from])->file_name;
+            file.columns[accel_names[i]] = values[from];
+            file.column_map[accel_names[i]] = name;
+            text +=
+                fmt::format("{}{} is {}", text.empty() ? "accelerometer columns are exchanged: " : ", ", accel_names[i][6], name);
+        }
+        study.found("imu.columns", "accelerometers exchanged", 0.9, why);
+    }
+    for (Eigen::Vector3d& f : study.imu.f) f = columns(f);
+    study.doubts.push_back(fmt::format("{}: {}: {}", file.report.path, text, why));
+    study.problem(Level::Warning, study.doubts.back(), "check the names and signs of the columns");
+}
+
+}  // namespace
+
+bool judge_accel_columns(Study& study) {
+    if (!study.overlap || study.imu_file == nullptr || study.imu_file->has("dtheta_x_rad")) return false;
+    const MotionFit& fit = study.gnss.has_velocity() ? study.velocity_fit : study.position_fit;
+    if (fit.windows < 5 || (shows_lag(fit) && fit.rms < 0.3 * fit.motion && !turns_against_course(study))) return false;
+    const io::ColumnOverrides& given = study.imu_file->as.overrides;
+    const auto of_accel = [](const auto& entry) { return entry.first.starts_with("accel"); };
+    if (std::ranges::any_of(given.scale, of_accel) || std::ranges::any_of(given.columns, of_accel)) return false;
+    const FitSource source = study.gnss.has_velocity() ? FitSource::Velocity : FitSource::Displacement;
+    const Columns* best = nullptr;
+    MotionFit best_fit;
+    for (const Columns& columns : assignments) {
+        MotionFit one = fit_with(study, source, columns);
+        if (best != nullptr && one.rms >= best_fit.rms) continue;
+        best = &columns;
+        best_fit = std::move(one);
+    }
+    constexpr double well = 0.3, clearly = 0.6;  // of the motion, and of what the other explanations leave
+    if (!shows_lag(best_fit) || best_fit.rms > well * best_fit.motion || best_fit.rms > clearly * fit.rms) return false;
+    for (const Trial& gyros : gyros_turned_round(study, source))
+        if (best_fit.rms > clearly * gyros.fit.rms) return false;
+    for (int axis = 0; axis < 3; ++axis) {
+        ImuSeries turned = study.imu;
+        for (Eigen::Vector3d& f : turned.f) f(axis) = -f(axis);
+        const MotionFit one = fit_motion(turned, study.gnss, source, study.still.w, study.still.any(), study.gravity);
+        if (best_fit.rms > clearly * one.rms) return false;
+    }
+    read_as(
+        study, *best,
+        fmt::format("as they are named the IMU leaves {:.2g} m/s of the track's motion, so {:.2g} m/s", fit.rms, best_fit.rms));
+    return true;
+}
+
 bool judge_accel_signs(Study& study) {
     constexpr double to_the_wrong_side = -0.5, clearly = 0.5, somewhat = 0.9;
     if (!study.overlap || study.imu_file == nullptr || study.imu_file->has("dtheta_x_rad")) return false;
@@ -183,8 +267,7 @@ bool judge_accel_signs(Study& study) {
     constexpr double better = 0.85;
     const std::vector<Trial> gyros = gyros_turned_round(study, source);
     if (best_fit.rms > better * std::ranges::min(gyros, {}, [](const Trial& t) { return t.fit.rms; }).fit.rms) return false;
-    static constexpr std::array<const char*, 3> names{"accel_x_m_s2", "accel_y_m_s2", "accel_z_m_s2"};
-    const char* name = names[static_cast<std::size_t>(best)];
+    const char* name = accel_names[static_cast<std::size_t>(best)];
     double unit = 1.0;
     for (const UnitChange& change : study.imu_units)
         if (change.key == "accel_m_s2") unit = change.factor / study.imu_file->plan.find(name)->factor;

@@ -125,7 +125,12 @@ void judge_time(Study& study) {
     if (study.imu_file != nullptr && study.gnss_file != nullptr) check_overlap(study);
     if (study.gnss_file != nullptr) {
         study.gnss = gnss_series(gnss_fixes(*study.gnss_file), study.origin);
-        if (!study.gnss.empty())
+        if (study.gnss.empty()) {
+            study.overlap = false;
+            study.gnss_file->problem(Level::Error, fmt::format("none of its {} rows has a fix", study.gnss_file->time_ns.size()),
+                                     "the receiver had none, or the columns of latitude and longitude are others: name them in "
+                                     "dataset.toml, [gnss] columns");
+        } else
             study.gravity =
                 earth::gravity_down(earth::GravityModel::Somigliana, study.gnss.lat, study.gnss.has_height ? study.gnss.h : 0.0);
     }

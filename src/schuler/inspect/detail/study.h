@@ -86,6 +86,8 @@ void judge_reference(Study& study);
 void judge_coordinates(Study& study);
 /// Reverses gyros whose signs are inconsistent with the accelerometers' axes, after the fit to the track. True if it did.
 bool judge_gyro_signs(Study& study);
+/// The same for accelerometers that are all reversed, or whose columns are exchanged; called before the single ones.
+bool judge_accel_columns(Study& study);
 /// Reverses one accelerometer if the lateral force in turns has the wrong sign, or no fit is possible, and the reversal resolves
 /// it: mirrored axes, which no reversal of gyros can correct. Same result; called before the gyros.
 bool judge_accel_signs(Study& study);
