@@ -19,16 +19,8 @@ namespace {
 std::vector<io::FieldRequest> requests_of(const io::ColumnPlan& plan) {
     std::vector<io::FieldRequest> requests;
     const auto add = [&](const io::ColumnMatch& match) {
-        io::FieldRequest r;
-        r.column = match.column;
-        r.kind = match.canonical.find("time") != std::string::npos ? io::FieldKind::Time
-                 : match.canonical == "fix"                        ? io::FieldKind::Text
-                                                                   : io::FieldKind::Number;
-        r.factor = match.factor;
-        r.offset = match.offset;
-        r.unit = match.time_unit;
+        io::FieldRequest r = io::request_of(match);
         r.required = match.canonical == "time_s";
-        r.name = match.file_name;
         requests.push_back(std::move(r));
     };
     add(*plan.find("time_s"));
@@ -50,9 +42,7 @@ std::vector<Sink> sinks_of(LoadedFile& file, std::size_t expected) {
     std::size_t slot = 1;
     for (const io::ColumnMatch& match : file.plan.matches) {
         if (match.canonical == "time_s") continue;
-        const io::FieldKind kind = match.canonical.find("time") != std::string::npos ? io::FieldKind::Time
-                                   : match.canonical == "fix"                        ? io::FieldKind::Text
-                                                                                     : io::FieldKind::Number;
+        const io::FieldKind kind = io::request_of(match).kind;
         std::vector<double>* values = nullptr;
         if (kind != io::FieldKind::Text) {
             values = &file.columns[match.canonical];
@@ -211,6 +201,21 @@ void report_missing_values(LoadedFile& file) {
 
 namespace {
 
+/// Removes rows, given by ascending indices.
+void erase_rows(LoadedFile& file, const std::vector<std::size_t>& which) {
+    const auto erase = [&](auto& rows) {
+        std::size_t kept = 0, s = 0;
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            if (s < which.size() && which[s] == i) ++s;
+            else rows[kept++] = rows[i];
+        }
+        rows.resize(kept);
+    };
+    erase(file.time_ns);
+    for (auto& [name, values] : file.columns) erase(values);
+    if (!file.fix.empty()) erase(file.fix);
+}
+
 /// The readers omit such rows; here they are reported before a run.
 void drop_strays(LoadedFile& file) {
     const io::TimeRepair repair = io::repair_times(file.time_ns);
@@ -219,17 +224,7 @@ void drop_strays(LoadedFile& file) {
                      "nothing to do: it is carried on");
     }
     if (repair.strays.empty()) return;
-    const auto erase = [&](auto& rows) {
-        std::size_t kept = 0, s = 0;
-        for (std::size_t i = 0; i < rows.size(); ++i) {
-            if (s < repair.strays.size() && repair.strays[s] == i) ++s;
-            else rows[kept++] = rows[i];
-        }
-        rows.resize(kept);
-    };
-    erase(file.time_ns);
-    for (auto& [name, values] : file.columns) erase(values);
-    if (!file.fix.empty()) erase(file.fix);
+    erase_rows(file, repair.strays);
     file.problem(Level::Warning, fmt::format("{} rows have a stamp far from those around them", repair.strays.size()),
                  "nothing to do: they are left out");
 }
