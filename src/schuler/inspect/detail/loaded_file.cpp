@@ -229,6 +229,25 @@ void drop_strays(LoadedFile& file) {
                  "nothing to do: they are left out");
 }
 
+/// As the readers do, which drop exact repetitions.
+void spread_times(LoadedFile& file) {
+    if (!std::ranges::is_sorted(file.time_ns)) return;
+    const auto same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
+    std::vector<std::int64_t> times;
+    std::vector<std::size_t> place;  // of a row among the distinct ones
+    for (std::size_t i = 0; i < file.time_ns.size(); ++i) {
+        const bool repeats = i > 0 && file.time_ns[i] == file.time_ns[i - 1] &&
+                             std::ranges::all_of(file.columns, [&](const auto& c) { return same(c.second[i], c.second[i - 1]); });
+        if (!repeats) times.push_back(file.time_ns[i]);
+        place.push_back(times.size() - 1);
+    }
+    const std::size_t n = io::spread_equal_times(times);
+    if (n == 0) return;
+    for (std::size_t i = 0; i < place.size(); ++i) file.time_ns[i] = times[place[i]];
+    file.problem(Level::Warning, fmt::format("{} rows have the time of another row: it is written too coarsely", n),
+                 "they are spread evenly; write the time with all its digits");
+}
+
 }  // namespace
 
 LoadedFile load_file(const std::filesystem::path& path, const std::string& name, const ReadAs& as) {
@@ -263,6 +282,8 @@ void finish(LoadedFile& file) {
         for (std::int64_t& t : file.time_ns) t += Duration::from_seconds(file.as.time_offset).ns;
     }
     drop_strays(file);
+    if (file.table == io::TableKind::Imu || file.table == io::TableKind::Gnss || file.table == io::TableKind::Mag)
+        spread_times(file);
     file.cadence_origin_ns = file.time_ns.front();
     std::vector<double> seconds;
     seconds.reserve(file.time_ns.size());
