@@ -86,6 +86,22 @@ TEST_F(Accidents, CoarseStampsOfALogAreSpreadWithAWarning) {
     EXPECT_EQ(log.topics(), std::vector<std::string>{"imu.coarse_time"});
 }
 
+TEST_F(Accidents, SinglesFarBeyondAllOthersAreLeftOut) {
+    const ImuTable t = imu(imu_log(1000.0, [](int i) {
+        if (i == 50) return std::string("1000.50,0.01,0.02,0.03,9999,0.2,-9.8\n");
+        return i == 120 ? std::string("1001.20,-300,0.02,0.03,0.1,0.2,-9.8\n") : std::string();
+    }));
+    EXPECT_EQ(t.samples.size(), 198u);
+    EXPECT_EQ(t.rows.bad, 2u);
+    // what lasts is motion
+    EXPECT_EQ(imu(imu_log(1000.0,
+                          [](int i) {
+                              return i >= 50 && i < 53 ? fmt::format("1000.{},0.01,0.02,0.03,999,0.2,-9.8\n", i) : std::string();
+                          }))
+                  .samples.size(),
+              200u);
+}
+
 TEST_F(Accidents, StepsOfDecadesOverflowNothing) {
     std::vector<std::int64_t> times{0, 1'156'780'994'000'000'000, 2'300'000'000'000'000'000, 4'600'000'000'000'000'000};
     const std::vector<std::int64_t> before = times;

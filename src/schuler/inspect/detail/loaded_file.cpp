@@ -3,6 +3,7 @@
 #include "schuler/core/error.h"
 #include "schuler/inspect/detail/recognise.h"
 #include "schuler/io/text/fix_codes.h"
+#include "schuler/io/text/lonely_samples.h"
 #include "schuler/io/text/repair_times.h"
 #include "schuler/io/text/table.h"
 
@@ -229,6 +230,22 @@ void drop_strays(LoadedFile& file) {
                  "nothing to do: they are left out");
 }
 
+/// Likewise.
+void drop_lonely(LoadedFile& file) {
+    if (!file.has("gyro_x_rad_s") || !file.has("accel_x_m_s2")) return;
+    std::vector<double> rates, forces;
+    for (std::size_t i = 0; i < file.time_ns.size(); ++i) {
+        rates.push_back(file.vector("gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s", i).cwiseAbs().maxCoeff());
+        forces.push_back(file.vector("accel_x_m_s2", "accel_y_m_s2", "accel_z_m_s2", i).cwiseAbs().maxCoeff());
+    }
+    const std::vector<std::size_t> lonely =
+        io::either_of(io::lonely_samples(rates, io::least_lonely_rate), io::lonely_samples(forces, io::least_lonely_force));
+    if (lonely.empty()) return;
+    erase_rows(file, lonely);
+    file.problem(Level::Warning, fmt::format("{} single samples are far beyond all others", lonely.size()),
+                 "nothing to do: they are left out");
+}
+
 /// As the readers do, which drop exact repetitions.
 void spread_times(LoadedFile& file) {
     if (!std::ranges::is_sorted(file.time_ns)) return;
@@ -282,6 +299,7 @@ void finish(LoadedFile& file) {
         for (std::int64_t& t : file.time_ns) t += Duration::from_seconds(file.as.time_offset).ns;
     }
     drop_strays(file);
+    if (file.table == io::TableKind::Imu) drop_lonely(file);
     if (file.table == io::TableKind::Imu || file.table == io::TableKind::Gnss || file.table == io::TableKind::Mag)
         spread_times(file);
     file.cadence_origin_ns = file.time_ns.front();
