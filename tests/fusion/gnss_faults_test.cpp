@@ -131,6 +131,22 @@ TEST(StrayedPositions, NobodyIsNamedWhereTheWayDoesNotClose) {
     EXPECT_EQ(count(strayed_positions(velocities, earth)), 0u);
 }
 
+TEST(IdleHeights, OneNumberBesideVerticalVelocitiesIsNoHeight) {
+    const earth::Earth earth;
+    auto fixes = drive(1.0, 0.0);
+    for (GnssFix& fix : fixes) fix.position.h = 0.0;
+    EXPECT_FALSE(has_idle_heights(fixes, earth)) << "it does not move vertically";
+    for (std::size_t i = 0; i < fixes.size(); ++i) fixes[i].velocity_n.z() = i % 40 < 20 ? 0.5 : -0.5;
+    EXPECT_TRUE(has_idle_heights(fixes, earth));
+    WarningLog heard;
+    const FixScreen screen = screen_fixes(fixes, {}, fixes.front().time, heard);
+    EXPECT_TRUE(std::isnan(screen.without(fixes[3], 3).position.h));
+    EXPECT_EQ(screen.without(fixes[3], 3).velocity_n.z(), fixes[3].velocity_n.z());
+    EXPECT_EQ(heard.topics(), std::vector<std::string>{"gnss.idle_height"});
+    fixes[7].position.h = 0.01;
+    EXPECT_FALSE(has_idle_heights(fixes, earth));
+}
+
 TEST(FixScreen, FollowsTheSettings) {
     auto hung = drive(1.0, 0.0), ramp = drive(0.5, 0.0);
     hang(hung, 250, 330, true, false);

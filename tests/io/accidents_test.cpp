@@ -61,6 +61,47 @@ TEST_F(Accidents, APauseIsNoAccident) {
     EXPECT_EQ(times, before);
 }
 
+TEST_F(Accidents, CoarseStampsAreSpread) {
+    // 4 Hz written in whole seconds, from within a second to within another, with a pause.
+    std::vector<std::int64_t> times, right;
+    for (std::int64_t q = 2; q < 83; ++q) {
+        if (q >= 40 && q < 60) continue;
+        right.push_back(q * 250'000'000);
+        times.push_back(q / 4 * 1'000'000'000);
+    }
+    EXPECT_GT(spread_equal_times(times), 0U);
+    EXPECT_EQ(times, right);
+    EXPECT_EQ(spread_equal_times(right), 0U);
+    // single repeated stamps are left as they are
+    std::vector<std::int64_t> few;
+    for (std::int64_t i = 0; i < 100; ++i) few.push_back((i - i % 10 / 9) * 10'000'000);
+    EXPECT_EQ(spread_equal_times(few), 0U);
+}
+
+TEST_F(Accidents, CoarseStampsOfALogAreSpreadWithAWarning) {
+    const ImuTable t =
+        imu(imu_log(1000.0, [](int i) { return fmt::format("{},0.{:03},0.02,0.03,0.1,0.2,-9.8\n", 1000 + i / 20, i); }));
+    ASSERT_EQ(t.samples.size(), 200u);
+    EXPECT_NEAR((t.samples[30].time - t.samples[29].time).seconds(), 0.05, 1e-9);
+    EXPECT_EQ(log.topics(), std::vector<std::string>{"imu.coarse_time"});
+}
+
+TEST_F(Accidents, SinglesFarBeyondAllOthersAreLeftOut) {
+    const ImuTable t = imu(imu_log(1000.0, [](int i) {
+        if (i == 50) return std::string("1000.50,0.01,0.02,0.03,9999,0.2,-9.8\n");
+        return i == 120 ? std::string("1001.20,-300,0.02,0.03,0.1,0.2,-9.8\n") : std::string();
+    }));
+    EXPECT_EQ(t.samples.size(), 198u);
+    EXPECT_EQ(t.rows.bad, 2u);
+    // what lasts is motion
+    EXPECT_EQ(imu(imu_log(1000.0,
+                          [](int i) {
+                              return i >= 50 && i < 53 ? fmt::format("1000.{},0.01,0.02,0.03,999,0.2,-9.8\n", i) : std::string();
+                          }))
+                  .samples.size(),
+              200u);
+}
+
 TEST_F(Accidents, StepsOfDecadesOverflowNothing) {
     std::vector<std::int64_t> times{0, 1'156'780'994'000'000'000, 2'300'000'000'000'000'000, 4'600'000'000'000'000'000};
     const std::vector<std::int64_t> before = times;

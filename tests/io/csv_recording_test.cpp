@@ -41,6 +41,17 @@ protected:
     WarningLog log;
 };
 
+TEST_F(Csv, VelocitiesThatAreAlwaysZeroAreLeftOut) {
+    const auto log_of = [](double step) {
+        std::string text = "time_s,lat_deg,lon_deg,height_m,vel_n_m_s,vel_e_m_s,vel_d_m_s\n";
+        for (int i = 0; i < 100; ++i) text += fmt::format("{},{:.7f},11,500,0,0,0\n", i, 48.0 + step * i);
+        return text;
+    };
+    EXPECT_TRUE(gnss(log_of(1e-4)).fixes[3].velocity_n.array().isNaN().all());
+    EXPECT_EQ(log.topics(), std::vector<std::string>{"gnss.idle_velocity"});
+    EXPECT_EQ(gnss(log_of(0.0)).fixes[3].velocity_n, Eigen::Vector3d::Zero()) << "a receiver at rest";
+}
+
 TEST_F(Csv, TimesMayBeCalendarText) {
     const std::string names = "timestamp,gx,gy,gz,ax,ay,az\n", rest = ",0,0,0,0,0,-9.8\n";
     // Noon of 2024-05-01 in Greenwich, four ways of writing it, then midnight-based times of day.

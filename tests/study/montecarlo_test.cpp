@@ -277,6 +277,22 @@ TEST(MonteCarlo, AnInterruptedCampaignGoesOn) {
     EXPECT_TRUE(CampaignPart::left_in(stopped.common.output).empty());
 }
 
+// The second run is done, and failed, when the first shows that no run can have these settings.
+TEST(MonteCarloThreads, SettingsThatNoRunCanHaveLeaveNothingToResume) {
+    settings::ProcessRequest request = request_of(short_flight, "impossible");
+    request.above.push_back({"filter.scheme", {std::string("deep")}, {}});
+    for (int attempt = 0; attempt < 5; ++attempt) {
+        const CampaignRequest campaign = campaign_of(request, "impossible", 2, 2);
+        try {
+            (void)montecarlo(campaign);
+            ADD_FAILURE() << "nothing was thrown";
+        } catch (const Error& e) {
+            EXPECT_EQ(std::string(e.what()).find("--resume"), std::string::npos) << e.what();
+        }
+        EXPECT_FALSE(fs::exists(campaign.common.output / "checkpoint-0.bin"));
+    }
+}
+
 TEST(MonteCarloThreads, ComparedSchemesFlyTheSameFlightsWhateverTheJobs) {
     std::string text = short_flight;
     text.insert(text.find("[trajectory]"),

@@ -58,8 +58,11 @@ std::vector<std::string> doubts_of(const inspect::InspectReport& report) {
     for (const inspect::FileReport& file : report.files) {
         if (!file.chosen) continue;
         for (const inspect::Problem& problem : file.problems) {
-            if (problem.level == inspect::Level::Error)
-                doubts.push_back(fmt::format("{}: {}; taken with {}", file.path, problem.text, problem.hint));
+            if (problem.level != inspect::Level::Error) continue;
+            // A hint that is a setting is what the run uses; any other is advice.
+            const bool setting = problem.hint.starts_with("[");
+            const char* link = problem.hint.empty() ? "" : setting ? "; taken with " : "; ";
+            doubts.push_back(fmt::format("{}: {}{}{}", file.path, problem.text, link, problem.hint));
         }
     }
     return doubts;

@@ -144,6 +144,24 @@ FrozenFixes frozen_fixes(const std::vector<GnssFix>& fixes, const earth::Earth& 
     return out;
 }
 
+bool has_idle_heights(const std::vector<GnssFix>& fixes, const earth::Earth& earth) {
+    constexpr std::size_t enough = 50;
+    constexpr double travelled = 50.0, moved = 0.1;  // m, m/s
+    const Track track(fixes, earth);
+    if (track.size() < enough || !std::isfinite(track.fix(0).position.h)) return false;
+    double squares = 0.0, farthest = 0.0;
+    std::size_t velocities = 0;
+    for (std::size_t k = 0; k < track.size(); ++k) {
+        if (track.fix(k).position.h != track.fix(0).position.h) return false;
+        farthest = std::max(farthest, track.way(0, k).norm());
+        const double down = track.fix(k).velocity_n.z();
+        if (!std::isfinite(down)) continue;
+        squares += down * down;
+        ++velocities;
+    }
+    return farthest > travelled && 2 * velocities > track.size() && squares > moved * moved * static_cast<double>(velocities);
+}
+
 namespace {
 
 /// Positions minus the path from the stated velocities. Constant if both are correct.
@@ -255,6 +273,7 @@ GnssFix FixScreen::without(const GnssFix& fix, std::size_t index) const {
     if (!position.empty() && position[index]) out.position = {not_given, not_given, not_given};
     if (!velocity.empty() && velocity[index]) out.velocity_n.setConstant(not_given);
     if (!height.empty() && height[index]) out.position.h = out.velocity_n.z() = not_given;
+    if (no_heights) out.position.h = not_given;
     return out;
 }
 
@@ -263,7 +282,11 @@ FixScreen screen_fixes(const std::vector<GnssFix>& fixes, const Settings& settin
     if (!settings.gnss.use_velocity)
         for (GnssFix& fix : seen) fix.velocity_n.setConstant(not_given);
     const FrozenFixes frozen = frozen_fixes(seen, settings.earth);
-    FixScreen screen{frozen.position, frozen.velocity, {}};
+    FixScreen screen{frozen.position, frozen.velocity, {}, has_idle_heights(seen, settings.earth)};
+    if (screen.no_heights)
+        warnings.add("gnss.idle_height",
+                     "the height of all fixes is one and the same number, although the vertical velocities differ from zero: the "
+                     "fixes count as without height");
     if (frozen.any())
         warnings.add(
             "gnss.frozen",

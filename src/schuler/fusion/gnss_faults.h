@@ -30,6 +30,9 @@ struct FrozenFixes {
 /// (more than a third of its fixes, or more than twenty runs), holding values is normal operation and none is reported.
 [[nodiscard]] FrozenFixes frozen_fixes(const std::vector<GnssFix>& fixes, const earth::Earth& earth);
 
+/// True if the log writes one number as the height of all its fixes, although it travels and states vertical velocities.
+[[nodiscard]] bool has_idle_heights(const std::vector<GnssFix>& fixes, const earth::Earth& earth);
+
 /// Positions that departed from the path integrated from the receiver's own velocities and jumped back to it within two minutes, one
 /// per fix: the velocities are consistent over the whole path, so the positions in between were wrong. If velocities are wrong for a
 /// while, or positions do not return, the path does not close: both remain suspect, and none is reported. Nor is a mere jump to another
@@ -41,12 +44,13 @@ struct FrozenFixes {
 struct FixScreen {
     std::vector<bool> position{}, velocity{};  ///< true: excluded; one per fix, or empty if nothing is
     std::vector<bool> height{};                ///< likewise, of the position and the velocity
+    bool no_heights = false;                   ///< the heights of all positions are excluded
 
     /// The fix with the excluded parts set to NaN.
     [[nodiscard]] GnssFix without(const GnssFix& fix, std::size_t index) const;
 };
 
-/// Applies both tests to a log, with one warning each for their findings. Velocities not used by the filter (gnss.use_velocity)
+/// Applies these tests to a log, with one warning each for their findings. Velocities not used by the filter (gnss.use_velocity)
 /// are no evidence; straying positions are excluded only if the filter may reject fixes by its gates, which integrity control
 /// replaces. origin: zero of the times in the warnings.
 [[nodiscard]] FixScreen screen_fixes(const std::vector<GnssFix>& fixes, const Settings& settings, Time origin,

@@ -385,6 +385,7 @@ InspectReport inspect(const std::filesystem::path& path, const Given& given) {
     if (study.gnss_file != nullptr) study.gnss_units = detail::judge_units(*study.gnss_file);
     if (study.mag_file != nullptr) study.mag_units = detail::judge_units(*study.mag_file);
     report_lacking(study);
+    detail::judge_idle_velocity(study);
     detail::judge_coordinates(study);
     detail::judge_time(study);
     detail::judge_clock_steps(study);

@@ -159,7 +159,8 @@ private:
         const bool fixes = b_.command == "process" && b_.result.counters.gnss_accepted > 0;
         if (seconds > 0.0)
             add(most && fixes ? "solution.useless" : "solution.adrift",
-                "for {:.0f} s the position is uncertain by more than {:.0f} m, up to {:.3g} m", seconds, useless, worst);
+                "for {} s the position is uncertain by more than {:.0f} m, up to {:.3g} m",
+                seconds < 9.5 ? fmt::format("{:.2g}", seconds) : fmt::format("{:.0f}", seconds), useless, worst);
     }
 
     /// Fixes with an uncertain latency shift the solution, and withheld ones cannot reveal it: the solution is at most as

@@ -35,7 +35,7 @@ MotionFit fit_at(const Study& study, double shift, double window) {
         w += imu.w[i] / static_cast<double>(imu.size());
     }
     const CourseSlope course = course_slope(imu, study.gnss, -f.normalized(), w);
-    const double unit = gyro_unit_of(course).value_or(1.0);
+    const double unit = gyro_unit_of(course).value_or(GyroUnit{}).factor;
     for (Eigen::Vector3d& rate : imu.w) rate *= unit;
     const StillPeriods still = still_periods(imu, study.gnss);
     const FitSource source = study.gnss.has_velocity() ? FitSource::Velocity : FitSource::Displacement;

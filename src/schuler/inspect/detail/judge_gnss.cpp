@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -174,10 +175,35 @@ void judge_motion_content(Study& study) {
 
 }  // namespace
 
+void judge_idle_velocity(Study& study) {
+    if (study.gnss_file == nullptr) return;
+    LoadedFile& file = *study.gnss_file;
+    constexpr std::array<const char*, 3> names{"vel_n_m_s", "vel_e_m_s", "vel_d_m_s"};
+    if (!file.has(names[0]) || !file.has(names[1]) || !file.has("lat_deg") || !file.has("lon_deg")) return;
+    for (const char* name : names)
+        if (file.has(name) && std::ranges::any_of(file[name], [](double v) { return v != 0.0 && std::isfinite(v); })) return;
+    const std::vector<double>&lat = file["lat_deg"], &lon = file["lon_deg"];
+    const double half = median(lat), scale = 6.371e6 * units::deg;
+    // Quantiles, because a receiver's first fixes may be far off.
+    const double north = scale * (quantile(lat, 0.95) - quantile(lat, 0.05)),
+                 east = scale * std::cos(half * units::deg) * (quantile(lon, 0.95) - quantile(lon, 0.05));
+    constexpr double travelled = 50.0;  // m
+    if (!(std::hypot(north, east) > travelled)) return;
+    for (const char* name : names) file.columns.erase(name);
+    study.idle_velocity = true;
+    file.problem(Level::Warning, "the velocities are always zero, although the positions travel",
+                 "they are not used; log the receiver's Doppler velocity, or leave the columns out");
+}
+
 void judge_gnss(Study& study) {
     if (study.gnss_file == nullptr || study.gnss_file->computed) return;
     study.draft.set("gnss", "file", study.gnss_file->report.path, fmt::format("{:.3g} Hz", study.gnss_file->report.rate_hz));
     draft_columns(study, "gnss", *study.gnss_file, study.gnss_units);
+    if (study.idle_velocity) {
+        const std::string why = "the velocities of the log are always zero, although the positions travel";
+        study.draft.set("gnss", "use_velocity", false, "sure: " + why, true, Known::Found);
+        study.doubts.push_back(fmt::format("{}: {}; they are not used", study.gnss_file->report.path, why));
+    }
     judge_fix(study);
     judge_sigma(study);
     judge_height(study);

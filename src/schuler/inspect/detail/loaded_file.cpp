@@ -3,6 +3,7 @@
 #include "schuler/core/error.h"
 #include "schuler/inspect/detail/recognise.h"
 #include "schuler/io/text/fix_codes.h"
+#include "schuler/io/text/lonely_samples.h"
 #include "schuler/io/text/repair_times.h"
 #include "schuler/io/text/table.h"
 
@@ -19,16 +20,8 @@ namespace {
 std::vector<io::FieldRequest> requests_of(const io::ColumnPlan& plan) {
     std::vector<io::FieldRequest> requests;
     const auto add = [&](const io::ColumnMatch& match) {
-        io::FieldRequest r;
-        r.column = match.column;
-        r.kind = match.canonical.find("time") != std::string::npos ? io::FieldKind::Time
-                 : match.canonical == "fix"                        ? io::FieldKind::Text
-                                                                   : io::FieldKind::Number;
-        r.factor = match.factor;
-        r.offset = match.offset;
-        r.unit = match.time_unit;
+        io::FieldRequest r = io::request_of(match);
         r.required = match.canonical == "time_s";
-        r.name = match.file_name;
         requests.push_back(std::move(r));
     };
     add(*plan.find("time_s"));
@@ -50,9 +43,7 @@ std::vector<Sink> sinks_of(LoadedFile& file, std::size_t expected) {
     std::size_t slot = 1;
     for (const io::ColumnMatch& match : file.plan.matches) {
         if (match.canonical == "time_s") continue;
-        const io::FieldKind kind = match.canonical.find("time") != std::string::npos ? io::FieldKind::Time
-                                   : match.canonical == "fix"                        ? io::FieldKind::Text
-                                                                                     : io::FieldKind::Number;
+        const io::FieldKind kind = io::request_of(match).kind;
         std::vector<double>* values = nullptr;
         if (kind != io::FieldKind::Text) {
             values = &file.columns[match.canonical];
@@ -211,6 +202,21 @@ void report_missing_values(LoadedFile& file) {
 
 namespace {
 
+/// Removes rows, given by ascending indices.
+void erase_rows(LoadedFile& file, const std::vector<std::size_t>& which) {
+    const auto erase = [&](auto& rows) {
+        std::size_t kept = 0, s = 0;
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            if (s < which.size() && which[s] == i) ++s;
+            else rows[kept++] = rows[i];
+        }
+        rows.resize(kept);
+    };
+    erase(file.time_ns);
+    for (auto& [name, values] : file.columns) erase(values);
+    if (!file.fix.empty()) erase(file.fix);
+}
+
 /// The readers omit such rows; here they are reported before a run.
 void drop_strays(LoadedFile& file) {
     const io::TimeRepair repair = io::repair_times(file.time_ns);
@@ -219,19 +225,44 @@ void drop_strays(LoadedFile& file) {
                      "nothing to do: it is carried on");
     }
     if (repair.strays.empty()) return;
-    const auto erase = [&](auto& rows) {
-        std::size_t kept = 0, s = 0;
-        for (std::size_t i = 0; i < rows.size(); ++i) {
-            if (s < repair.strays.size() && repair.strays[s] == i) ++s;
-            else rows[kept++] = rows[i];
-        }
-        rows.resize(kept);
-    };
-    erase(file.time_ns);
-    for (auto& [name, values] : file.columns) erase(values);
-    if (!file.fix.empty()) erase(file.fix);
+    erase_rows(file, repair.strays);
     file.problem(Level::Warning, fmt::format("{} rows have a stamp far from those around them", repair.strays.size()),
                  "nothing to do: they are left out");
+}
+
+/// Likewise.
+void drop_lonely(LoadedFile& file) {
+    if (!file.has("gyro_x_rad_s") || !file.has("accel_x_m_s2")) return;
+    std::vector<double> rates, forces;
+    for (std::size_t i = 0; i < file.time_ns.size(); ++i) {
+        rates.push_back(file.vector("gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s", i).cwiseAbs().maxCoeff());
+        forces.push_back(file.vector("accel_x_m_s2", "accel_y_m_s2", "accel_z_m_s2", i).cwiseAbs().maxCoeff());
+    }
+    const std::vector<std::size_t> lonely =
+        io::either_of(io::lonely_samples(rates, io::least_lonely_rate), io::lonely_samples(forces, io::least_lonely_force));
+    if (lonely.empty()) return;
+    erase_rows(file, lonely);
+    file.problem(Level::Warning, fmt::format("{} single samples are far beyond all others", lonely.size()),
+                 "nothing to do: they are left out");
+}
+
+/// As the readers do, which drop exact repetitions.
+void spread_times(LoadedFile& file) {
+    if (!std::ranges::is_sorted(file.time_ns)) return;
+    const auto same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
+    std::vector<std::int64_t> times;
+    std::vector<std::size_t> place;  // of a row among the distinct ones
+    for (std::size_t i = 0; i < file.time_ns.size(); ++i) {
+        const bool repeats = i > 0 && file.time_ns[i] == file.time_ns[i - 1] &&
+                             std::ranges::all_of(file.columns, [&](const auto& c) { return same(c.second[i], c.second[i - 1]); });
+        if (!repeats) times.push_back(file.time_ns[i]);
+        place.push_back(times.size() - 1);
+    }
+    const std::size_t n = io::spread_equal_times(times);
+    if (n == 0) return;
+    for (std::size_t i = 0; i < place.size(); ++i) file.time_ns[i] = times[place[i]];
+    file.problem(Level::Warning, fmt::format("{} rows have the time of another row: it is written too coarsely", n),
+                 "they are spread evenly; write the time with all its digits");
 }
 
 }  // namespace
@@ -268,6 +299,9 @@ void finish(LoadedFile& file) {
         for (std::int64_t& t : file.time_ns) t += Duration::from_seconds(file.as.time_offset).ns;
     }
     drop_strays(file);
+    if (file.table == io::TableKind::Imu) drop_lonely(file);
+    if (file.table == io::TableKind::Imu || file.table == io::TableKind::Gnss || file.table == io::TableKind::Mag)
+        spread_times(file);
     file.cadence_origin_ns = file.time_ns.front();
     std::vector<double> seconds;
     seconds.reserve(file.time_ns.size());

@@ -50,6 +50,7 @@ struct Study {
     Mounting mounting;
     bool forward_supposed = false;  ///< the vehicle travels, but neither the files nor the filter can determine forward
     double velocity_age = 0.0, position_age = 0.0;  ///< medians of the values in the log's own columns, s
+    bool idle_velocity = false;                     ///< the log's velocities were always zero: removed
     bool states_velocity_age = false, states_position_age = false;
 
     std::vector<Finding> findings;
@@ -82,6 +83,8 @@ void judge_baro(Study& study);
 void judge_mag(Study& study);
 void judge_reference(Study& study);
 
+/// Removes velocities of a GNSS log that are always zero while it travels. Called before the series are formed.
+void judge_idle_velocity(Study& study);
 /// Exchanges latitude and longitude if the velocities show that they are swapped. Called before the series are formed.
 void judge_coordinates(Study& study);
 /// Reverses gyros whose signs are inconsistent with the accelerometers' axes, after the fit to the track. True if it did.

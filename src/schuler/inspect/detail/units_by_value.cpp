@@ -235,12 +235,15 @@ CourseSlope course_slope(const ImuSeries& imu, const GnssSeries& gnss, const Eig
     return result;
 }
 
-std::optional<double> gyro_unit_of(const CourseSlope& course) {
-    // midway, in ratio, between one and 57.3
-    constexpr double apart = 7.6, clear = 0.7;
+std::optional<GyroUnit> gyro_unit_of(const CourseSlope& course) {
+    constexpr double clear = 0.7, near = 1.3;
     if (std::abs(course.correlation) <= clear) return std::nullopt;
     const double ratio = std::abs(course.slope);
-    return ratio < 1.0 / apart ? units::deg : ratio > apart ? 1.0 / units::deg : 1.0;
+    constexpr std::array<double, 4> factors{1.0, units::deg, 1e-3 * units::deg, 1.0 / units::deg};
+    const double factor = *std::ranges::min_element(factors, {}, [&](double f) { return std::abs(std::log(f / ratio)); });
+    // Errors of the rates make the slope too small, by the square of the correlation at most.
+    const double most = ratio / (course.correlation * course.correlation);
+    return GyroUnit{factor, ratio < near * factor && factor < near * most};
 }
 
 namespace {
@@ -281,14 +284,21 @@ std::vector<UnitChange> judge_gyro_unit(LoadedFile& file, ImuSeries& imu, const 
 
     double factor = 1.0, confidence = 0.0;
     std::string why;
-    if (const std::optional<double> unit = gyro_unit_of(course)) {
-        factor = *unit;
+    const std::optional<GyroUnit> unit = gyro_unit_of(course);
+    if (unit && unit->sure) {
+        factor = unit->factor;
         confidence = 0.98;
         why = fmt::format("GNSS course rate / gyro rate about the vertical = {:.3g} over {} epochs", course.slope, course.epochs);
     } else if (unturned > 1e-3 && std::min({as_radians, as_degrees, too_small}) < 0.5 * unturned) {
         factor = as_radians <= std::min(as_degrees, too_small) ? 1.0 : as_degrees < too_small ? units::deg : 1.0 / units::deg;
         confidence = 0.95;
         why = "gravity in sensor axes turns with the integrated rates in this unit only";
+    } else if (unit) {
+        factor = unit->factor;
+        confidence = 0.6;
+        why = fmt::format(
+            "GNSS course rate / gyro rate about the vertical = {:.3g}, which is none of the units but nearest to this one",
+            course.slope);
     } else if (!stated(file, first)) {
         const NoiseLevel noise = noise_level(imu);
         const double gyro = median({noise.gyro.x(), noise.gyro.y(), noise.gyro.z()}),
@@ -313,14 +323,15 @@ std::vector<UnitChange> judge_gyro_unit(LoadedFile& file, ImuSeries& imu, const 
     if (increments) rescale(file, {"dtheta_x_rad", "dtheta_y_rad", "dtheta_z_rad"}, factor);
     else rescale(file, {"gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s"}, factor);
     const double in_file = factor * name_factor(file, first);
-    const char* unit = std::abs(in_file - units::deg) < 1e-6 ? (increments ? "deg" : "deg/s")
-                       : std::abs(in_file - 1.0) < 1e-9      ? (increments ? "rad" : "rad/s")
-                                                             : "other";
+    const char* name = std::abs(in_file - units::deg) < 1e-6                  ? (increments ? "deg" : "deg/s")
+                       : std::abs(in_file - 1.0) < 1e-9                       ? (increments ? "rad" : "rad/s")
+                       : std::abs(in_file / (1e-3 * units::deg) - 1.0) < 1e-6 ? (increments ? "mdeg" : "mdeg/s")
+                                                                              : "other";
     if (stated(file, first)) {
         file.problem(Level::Error, "the gyro columns state a unit that cannot be: " + why,
                      fmt::format("[imu] scale = {{ {} = {:.10g} }}", key, in_file));
     }
-    changes.push_back({key, in_file, unit, confidence, why, stated(file, first)});
+    changes.push_back({key, in_file, name, confidence, why, stated(file, first)});
     return changes;
 }
 

@@ -38,7 +38,12 @@ struct CourseSlope {
 [[nodiscard]] CourseSlope course_slope(const ImuSeries& imu, const GnssSeries& gnss, const Eigen::Vector3d& down_s,
                                        const Eigen::Vector3d& gyro_bias);
 
-/// Factor from the rates' unit to rad/s from the course: 1, that of degrees, or its inverse; empty if the two are not related.
-[[nodiscard]] std::optional<double> gyro_unit_of(const CourseSlope& course);
+struct GyroUnit {
+    double factor = 1.0;  ///< to rad/s
+    bool sure = false;    ///< the slope lies within 30 % of it
+};
+/// The unit of the rates from the course: the nearest of rad/s, deg/s, mdeg/s and deg/s converted once too often; empty if the two
+/// are not related.
+[[nodiscard]] std::optional<GyroUnit> gyro_unit_of(const CourseSlope& course);
 
 }  // namespace schuler::inspect::detail

@@ -324,7 +324,7 @@ std::optional<TimeUnit> time_unit(std::string_view unit) {
     for (const std::string_view s : {"us", "usec", "usecs", "micros", "microseconds"}) {
         if (unit == s) return TimeUnit::Microseconds;
     }
-    for (const std::string_view s : {"ns", "nsec", "nsecs", "nanos", "nanoseconds"}) {
+    for (const std::string_view s : {"ns", "nsec", "nsecs", "nanos", "nanosec", "nanosecs", "nanosecond", "nanoseconds"}) {
         if (unit == s) return TimeUnit::Nanoseconds;
     }
     return std::nullopt;

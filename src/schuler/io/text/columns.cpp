@@ -3,6 +3,7 @@
 #include "schuler/core/samples.h"
 #include "schuler/core/units.h"
 #include "schuler/io/text/detail/column_dictionary.h"
+#include "schuler/io/text/detail/companion_columns.h"
 #include "schuler/io/text/own_frame.h"
 #include "schuler/math/quantile.h"
 
@@ -66,9 +67,11 @@ struct Candidate {
     ColumnMatch match;
     std::size_t stripped = 0;  ///< origin words removed
     bool empty = false;        ///< no value in the first rows: used as a last resort
+    bool repeats = false;      ///< a time of samples that most rows share with the row before
 
     [[nodiscard]] bool better_than(const Candidate& other) const {
-        return std::tuple(empty, match.certainty, stripped) < std::tuple(other.empty, other.match.certainty, other.stripped);
+        return std::tuple(empty, repeats, match.certainty, stripped) <
+               std::tuple(other.empty, other.repeats, other.match.certainty, other.stripped);
     }
 };
 
@@ -156,6 +159,7 @@ std::optional<Candidate> best_for(const Quantity& quantity, const TableLayout& l
         std::optional<Candidate> c = recognise(quantity, words_of_name(layout.names[i]));
         if (!c) continue;
         c->empty = column_is_empty(layout, column);
+        if (quantity.dimension == Dimension::Time && detail::is_fraction_of_seconds(layout, column)) continue;
         if (!c->match.unit_stated && i < layout.units.size())
             apply_unit(quantity, joined(words_of_name(layout.units[i]), 0, words_of_name(layout.units[i]).size()), c->match);
         if (quantity.dimension == Dimension::Time && !c->match.unit_stated)
@@ -164,6 +168,10 @@ std::optional<Candidate> best_for(const Quantity& quantity, const TableLayout& l
         c->match.offset *= quantity.sign;
         c->match.column = column;
         c->match.file_name = layout.names[i];
+        // Fixes held at the rate of another instrument repeat their own time rightly.
+        constexpr double nearly_all = 0.9;
+        c->repeats = quantity.dimension == Dimension::Time && kind == TableKind::Imu &&
+                     detail::repeated_share(layout, column) > nearly_all;
         if (!best || c->better_than(*best)) best = std::move(c);
     }
     return best;
@@ -305,9 +313,11 @@ ColumnPlan match_columns(const TableLayout& layout, TableKind kind, const Column
         if (match.canonical == "time_s" || !match.unit_stated) match.time_unit = *overrides.time_unit;
         match.unit_stated = true;
     }
+    detail::find_companions(plan, layout);
     for (std::size_t i = 0; i < layout.names.size(); ++i) {
-        const bool used = std::any_of(plan.matches.begin(), plan.matches.end(),
-                                      [&](const ColumnMatch& m) { return m.column == static_cast<int>(i); });
+        const int column = static_cast<int>(i);
+        const bool used =
+            std::ranges::any_of(plan.matches, [&](const ColumnMatch& m) { return m.column == column || m.companion == column; });
         if (!used) plan.unused.push_back(layout.names[i]);
     }
     return plan;

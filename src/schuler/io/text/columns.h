@@ -39,7 +39,12 @@ struct ColumnMatch {
     Certainty certainty = Certainty::Guess;
     TimeUnit time_unit = TimeUnit::Seconds;    ///< of time columns
     HeightKind height = HeightKind::Unstated;  ///< of height columns
+    int companion = -1;                        ///< column of the hemisphere (angles) or of the fraction of a second (times)
+    TimeUnit companion_unit = TimeUnit::Nanoseconds;  ///< of that fraction
 };
+
+/// The request that reads a matched column.
+[[nodiscard]] FieldRequest request_of(const ColumnMatch& match);
 
 /// The user's map: canonical name = the file's name (or "#3" for the third column), and factors to the canonical unit.
 /// A factor's key is a canonical name, or one without its axis (`gyro_rad_s`, `accel_m_s2`, `mag_ut`) for all three.

@@ -2,6 +2,7 @@
 
 #include "schuler/core/units.h"
 #include "schuler/io/text/detail/sample_rows.h"
+#include "schuler/io/text/lonely_samples.h"
 
 #include <fmt/format.h>
 
@@ -60,6 +61,24 @@ ImuKind kind_of(const SampleColumns& columns) {
     return count("dtheta_@_rad", "dv_@_m_s") > count("gyro_@_rad_s", "accel_@_m_s2") ? ImuKind::Increments : ImuKind::Rates;
 }
 
+/// Leaves out samples whose numbers are no measurement.
+void drop_lonely(std::vector<ImuSample>& samples, RowAudit& audit) {
+    std::vector<double> rates, forces;
+    rates.reserve(samples.size());
+    forces.reserve(samples.size());
+    for (const ImuSample& s : samples) {
+        rates.push_back(s.gyro.cwiseAbs().maxCoeff());
+        forces.push_back(s.accel.cwiseAbs().maxCoeff());
+    }
+    const std::vector<std::size_t> lonely =
+        either_of(lonely_samples(rates, least_lonely_rate), lonely_samples(forces, least_lonely_force));
+    if (lonely.empty()) return;
+    for (const std::size_t i : lonely) samples[i].gyro.x() = not_given;
+    std::erase_if(samples, [](const ImuSample& s) { return std::isnan(s.gyro.x()); });
+    audit.counts().bad += lonely.size();
+    audit.warn("lonely", "single samples skipped that are far beyond all others", lonely.size());
+}
+
 }  // namespace
 
 ImuTable read_imu_csv(const TextInput& input, const CsvOptions& options, WarningLog& log) {
@@ -94,6 +113,7 @@ ImuTable read_imu_csv(const TextInput& input, const CsvOptions& options, Warning
         return true;
     };
     table.samples = detail::read_samples<ImuSample>(reader, audit, columns.layout().estimated_rows, options.time_offset, make);
+    if (rates) drop_lonely(table.samples, audit);
     detail::put_in_time_order(table.samples, audit,
                               [](const ImuSample& a, const ImuSample& b) { return a.gyro == b.gyro && a.accel == b.accel; });
     table.rows = audit.counts();

@@ -66,4 +66,43 @@ TimeRepair repair_times(std::vector<std::int64_t>& times) {
     return repair;
 }
 
+std::size_t spread_equal_times(std::vector<std::int64_t>& times) {
+    struct Run {
+        std::size_t first, count;
+    };
+    std::vector<Run> runs;
+    for (std::size_t i = 0; i < times.size(); ++i) {
+        if (runs.empty() || times[i] != times[i - 1]) runs.push_back({i, 1});
+        else ++runs.back().count;
+    }
+    constexpr std::size_t least_runs = 5;
+    if (runs.size() < least_runs) return 0;
+    const std::int64_t step = median_step(times);
+    std::vector<std::size_t> counts;
+    std::size_t on_steps = 0;
+    for (std::size_t k = 0; k < runs.size(); ++k) {
+        counts.push_back(runs[k].count);
+        if (k > 0 && (times[runs[k].first] - times[runs[k - 1].first]) % step == 0) ++on_steps;
+    }
+    std::ranges::sort(counts);
+    const std::size_t usual = counts[counts.size() / 2];
+    const auto alike = [&](std::size_t count) { return 4 * count >= 3 * usual && 4 * count <= 5 * usual + 3; };
+    const auto regular = static_cast<std::size_t>(std::ranges::count_if(counts, alike));
+    // A coarse clock gives every run about the same number of rows; single repeated stamps are something else.
+    if (usual < 2 || 10 * regular < 9 * runs.size() || 10 * on_steps < 9 * (runs.size() - 1)) return 0;
+    std::size_t changed = 0;
+    for (std::size_t k = 0; k < runs.size(); ++k) {
+        const auto [first, count] = runs[k];
+        const bool end = k == 0 || k + 1 == runs.size();
+        const auto parts = static_cast<std::int64_t>(end ? std::max(usual, count) : count);
+        const std::int64_t late = k == 0 ? parts - static_cast<std::int64_t>(count) : 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            const std::int64_t shift = step * (static_cast<std::int64_t>(i) + late) / parts;
+            if (shift != 0) ++changed;
+            times[first + i] += shift;
+        }
+    }
+    return changed;
+}
+
 }  // namespace schuler::io

@@ -19,4 +19,10 @@ struct TimeRepair {
 /// @param times ns; changed only after a rollover
 [[nodiscard]] TimeRepair repair_times(std::vector<std::int64_t>& times);
 
+/// Spreads runs of equal stamps evenly up to the next stamp if the log is written so: most rows share a stamp, and the stamps
+/// are steps of a clock coarser than the rows. The first run may have begun, and the last one ended, within a step.
+/// @param times ns, ascending, of distinct rows
+/// @return number of stamps changed
+std::size_t spread_equal_times(std::vector<std::int64_t>& times);
+
 }  // namespace schuler::io

@@ -50,16 +50,13 @@ std::size_t SampleColumns::add(const std::string& canonical, bool required, doub
         if (required) throw missing(canonical);
         return absent;
     }
-    FieldRequest request;
-    request.column = match->column;
-    request.kind = kind;
+    FieldRequest request = request_of(*match);
+    if (request.kind != FieldKind::Angle) request.kind = kind;
     request.factor = match->factor * si;
     // A column in the SI unit (radians) must remain exactly as written, without a factor (180/pi)(pi/180).
     if (std::abs(request.factor - 1.0) < 1e-15) request.factor = 1.0;
     request.offset = match->offset * si;
-    request.unit = match->time_unit;
     request.required = required;
-    request.name = match->file_name;
     requests_.push_back(std::move(request));
     return requests_.size() - 1;
 }

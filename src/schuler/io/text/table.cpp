@@ -1,6 +1,7 @@
 #include "schuler/io/text/table.h"
 
 #include "schuler/io/text/detail/calendar_text.h"
+#include "schuler/io/text/detail/companion_columns.h"
 
 #include <fmt/format.h>
 
@@ -41,11 +42,21 @@ TableReader::TableReader(const TextInput& input, const TableLayout& layout, std:
       decimal_comma_(layout.decimal_comma),
       data_columns_(layout.data_columns),
       first_data_line_(layout.first_data_line),
-      requests_(std::move(fields)),
-      next_field_(requests_.size(), -1),
-      numbers_(requests_.size(), nan),
-      times_(requests_.size(), no_time),
-      texts_(requests_.size()) {
+      requests_(std::move(fields)) {
+    for (std::size_t i = 0, n = requests_.size(); i < n; ++i) {
+        const FieldRequest& r = requests_[i];
+        if (r.companion < 0) continue;
+        companions_.emplace_back(i, requests_.size());
+        requests_.push_back({.column = r.companion,
+                             .kind = r.kind == FieldKind::Time ? FieldKind::Time : FieldKind::Text,
+                             .unit = r.companion_unit,
+                             .required = false,
+                             .name = r.name});
+    }
+    next_field_.assign(requests_.size(), -1);
+    numbers_.assign(requests_.size(), nan);
+    times_.assign(requests_.size(), no_time);
+    texts_.resize(requests_.size());
     for (std::size_t i = 0; i < requests_.size(); ++i) {
         const FieldRequest& r = requests_[i];
         slots_.push_back({r.kind, r.unit, r.factor != 1.0 || r.offset != 0.0, r.factor, r.offset});
@@ -80,6 +91,7 @@ bool TableReader::next() {
         if (!skip) {
             problem_field_ = -1;
             p = read_row(delimiter_ == '\t' ? start : p);
+            if (!companions_.empty()) complete();
         }
         if (*p != '\n') p = static_cast<const char*>(std::memchr(p, '\n', static_cast<std::size_t>(end_ - p)));
         p_ = p + 1;
@@ -121,6 +133,22 @@ const char* TableReader::read_row(const char* p) {
     return p;
 }
 
+/// Adds fractions to whole seconds, and gives angles the sign of their hemisphere; the value is missing if that is.
+void TableReader::complete() {
+    for (const auto& [field, other] : companions_) {
+        if (slots_[field].kind == FieldKind::Time) {
+            constexpr std::int64_t second = 1'000'000'000;
+            if (times_[field] == no_time) continue;
+            if (times_[other] < 0 || times_[other] >= second) missing(field, {});
+            else times_[field] += times_[other];
+        } else if (!std::isnan(numbers_[field])) {
+            const int sign = detail::hemisphere_sign(texts_[other]);
+            if (sign == 0) missing(field, texts_[other]);
+            else if (sign < 0) numbers_[field] = -std::abs(numbers_[field]);
+        }
+    }
+}
+
 bool TableReader::field_ends_at(const char* p) const {
     return *p == delimiter_ || is_line_end(*p) || (delimiter_ == ' ' && *p == '\t');
 }
@@ -134,7 +162,7 @@ const char* TableReader::read_field(const char* p, std::size_t field) {
             const char* stop = number_end;
             while (!field_ends_at(stop) && (*stop == ' ' || *stop == '\t')) ++stop;
             if (field_ends_at(stop)) [[likely]] {
-                if (slot.kind == FieldKind::Number) {
+                if (slot.kind != FieldKind::Time) {
                     const double value = value_of(d, p, number_end);
                     numbers_[field] = slot.scaled ? value * slot.factor + slot.offset : value;
                     if (std::isnan(value)) missing(field, {p, static_cast<std::size_t>(number_end - p)});
@@ -150,8 +178,9 @@ const char* TableReader::read_field(const char* p, std::size_t field) {
     if (slot.kind == FieldKind::Text) {
         texts_[field] = text;
         if (text.empty()) missing(field, text);
-    } else if (slot.kind == FieldKind::Number) {
-        const double value = number_from(text);  // a number in quotation marks
+    } else if (slot.kind != FieldKind::Time) {
+        // a number in quotation marks, or one with its hemisphere
+        const double value = slot.kind == FieldKind::Angle ? detail::angle_with_hemisphere(text) : number_from(text);
         numbers_[field] = value * slot.factor + slot.offset;
         if (std::isnan(value)) missing(field, text);
     } else if (!nanoseconds_from(text, slot.unit, times_[field])) {

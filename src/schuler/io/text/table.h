@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace schuler::io {
@@ -38,7 +39,8 @@ struct TableLayout {
 /// The fields of one line (without its line end), trimmed and unquoted.
 [[nodiscard]] std::vector<std::string> split_fields(std::string_view line, char delimiter);
 
-enum class FieldKind { Number, Time, Text };
+/// An Angle is a number that may have the letter of its hemisphere (40.09N).
+enum class FieldKind { Number, Angle, Time, Text };
 
 /// A column to be read.
 struct FieldRequest {
@@ -48,7 +50,9 @@ struct FieldRequest {
     double offset = 0.0;
     TimeUnit unit = TimeUnit::Seconds;  ///< for a Time field
     bool required = true;
-    std::string name;  ///< used in messages
+    std::string name;    ///< used in messages
+    int companion = -1;  ///< column of the letter of the hemisphere of an Angle, or of the fraction of a Time in whole seconds
+    TimeUnit companion_unit = TimeUnit::Nanoseconds;  ///< of that fraction
 };
 
 /// Reads the requested columns row by row. Numbers are the nearest doubles; times are exact nanoseconds. A field of an optional
@@ -91,6 +95,7 @@ private:
     const char* field_text(const char* p, std::string_view& text) const;
     [[nodiscard]] bool field_ends_at(const char* p) const;
     void missing(std::size_t field, std::string_view text);
+    void complete();
     [[nodiscard]] bool last_line_complete(const char* start, const char* stop) const;
 
     LineBlocks blocks_;
@@ -101,8 +106,9 @@ private:
     long first_data_line_;
     std::vector<FieldRequest> requests_;
     std::vector<Slot> slots_;
-    std::vector<int> field_of_column_;  ///< -1: skipped
-    std::vector<int> next_field_;       ///< another request for the same column, or -1
+    std::vector<std::pair<std::size_t, std::size_t>> companions_;  ///< a field and the one that completes it
+    std::vector<int> field_of_column_;                             ///< -1: skipped
+    std::vector<int> next_field_;                                  ///< another request for the same column, or -1
     std::vector<double> numbers_;
     std::vector<std::int64_t> times_;
     std::vector<std::string_view> texts_;

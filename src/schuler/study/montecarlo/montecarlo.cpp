@@ -320,7 +320,9 @@ MonteCarlo montecarlo(const CampaignRequest& request) {
     try {
         work(flights, part, list ? &*list : nullptr, request.team.get(), mc.runs);
     } catch (const Error& e) {
-        if (part.done().count() == 0) {  // no successful run to continue with
+        // Nothing to continue with: no run was done, or settings that no run can have were found in the first.
+        const bool settings = e.kind() == ErrorKind::Input && before == 0 && !part.done().contains(mc.first);
+        if (part.done().count() == 0 || settings) {
             if (!request.team) CampaignPart::remove_from(mc.folder);
             throw;
         }

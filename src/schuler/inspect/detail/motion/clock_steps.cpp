@@ -88,7 +88,7 @@ double unit_of(const ImuSeries& imu, const GnssSeries& gnss) {
         f += imu.f[i];
         w += imu.w[i] / static_cast<double>(imu.size());
     }
-    return gyro_unit_of(course_slope(imu, gnss, -f.normalized(), w)).value_or(1.0);
+    return gyro_unit_of(course_slope(imu, gnss, -f.normalized(), w)).value_or(GyroUnit{}).factor;
 }
 
 /// True if a lag is accurate enough to detect a step: the windows agree, or smooth motion shows it less sharply, but far better than the step.

@@ -109,6 +109,16 @@ void put_in_time_order(std::vector<Sample>& samples, RowAudit& audit, Same same)
     samples.resize(kept);
     counts.used = kept;
     audit.warn("duplicates", "rows that repeat another row: dropped", counts.duplicates);
+    if (counts.same_time > 0) {
+        std::vector<std::int64_t> times;
+        for (const Sample& s : samples) times.push_back(s.time.ns);
+        if (spread_equal_times(times) > 0) {
+            for (std::size_t i = 0; i < kept; ++i) samples[i].time.ns = times[i];
+            audit.warn("coarse_time", "rows with the time of another row, which is written too coarsely: spread evenly",
+                       counts.same_time);
+            return;
+        }
+    }
     audit.warn("same_time", "rows with the time of another row but other values: kept", counts.same_time);
 }
 

@@ -1,0 +1,32 @@
+// What is said of the files that a run takes.
+#include "schuler/dataset/recognise.h"
+
+#include "support/temporary_folder.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <string>
+
+namespace schuler::dataset {
+namespace {
+
+TEST(Doubts, AdviceIsNotWhatTheRunTakes) {
+    const schuler::test::TemporaryFolder folder("Doubts_Advice");
+    std::ofstream imu(folder.path() / "imu.csv");
+    imu << "time_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2\n";
+    for (int i = 0; i < 3000; ++i)
+        imu << fmt::format("{:.2f},0,0,{:.6f},0,0,{:.3f}\n", 100.0 + 0.01 * i, 1e-4 * (i % 7), -9.8 - 1e-3 * (i % 5));
+    imu.close();
+    std::ofstream(folder.path() / "gnss.csv") << "time_s,lat_deg,lon_deg,height_m\n110,48,11,500\n";
+    const Recognised r = recognise(folder.path(), Needs::ImuAndGnss, {});
+    const auto only =
+        std::ranges::find_if(r.doubts, [](const std::string& d) { return d.find("only 1 usable row") != std::string::npos; });
+    ASSERT_NE(only, r.doubts.end());
+    EXPECT_EQ(*only, "gnss.csv: only 1 usable row; check that the log was copied completely");
+}
+
+}  // namespace
+}  // namespace schuler::dataset

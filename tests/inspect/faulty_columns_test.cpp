@@ -1,0 +1,97 @@
+// Logs whose columns are not what they seem: values that are never written, stamps and sentinels of poor loggers.
+#include "inspect/report_queries.h"
+#include "inspect/synthetic_car.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <functional>
+#include <string>
+
+namespace schuler::inspect::test {
+namespace {
+
+constexpr double deg = 0.017453292519943295;
+
+/// Rewrites the rows of a log below its header.
+void change_rows(const std::filesystem::path& path, const std::function<std::string(int, const std::string&)>& change) {
+    std::ifstream in(path);
+    std::string text, line;
+    std::getline(in, line);
+    text = line + "\n";
+    for (int i = 0; std::getline(in, line); ++i) text += change(i, line) + "\n";
+    in.close();
+    write_file(path, text);
+}
+
+TEST(FaultyColumns, GyrosInThousandthsOfADegree) {
+    const auto folder = fresh_folder("mdps");
+    CarLog car;
+    car.imu_header = "time_ms,gx,gy,gz,ax,ay,az";
+    car.gyro_factor = 1000.0 / deg;
+    write_car(folder, car);
+    change_rows(folder / car.imu_name,
+                [](int i, const std::string& line) { return std::to_string(1'000'000 + 10 * i) + line.substr(line.find(',')); });
+    const InspectReport r = inspect(folder);
+    EXPECT_NEAR(number_of(r, "imu.scale.gyro_rad_s"), 1e-3 * deg, 1e-12);
+    EXPECT_EQ(value_of(r, "imu.axes"), "frd");
+    EXPECT_EQ(value_of(r, "vehicle.kind"), "car");
+}
+
+TEST(FaultyColumns, OddGyroUnitIsNotSure) {
+    const auto folder = fresh_folder("half");
+    CarLog car;
+    car.imu_header = "time_s,gx,gy,gz,ax,ay,az";
+    car.gyro_factor = 0.4;
+    write_car(folder, car);
+    const Finding* unit = finding(inspect(folder), "imu.scale.gyro_rad_s");
+    EXPECT_TRUE(unit == nullptr || unit->confidence < 0.9);
+}
+
+TEST(FaultyColumns, VelocitiesThatAreAlwaysZeroAreMissing) {
+    const auto folder = fresh_folder("zero_velocity");
+    CarLog car;
+    write_car(folder, car);
+    change_rows(folder / car.gnss_name, [](int, const std::string& line) {
+        std::size_t at = 0;
+        for (int column = 0; column < 4; ++column) at = line.find(',', at) + 1;
+        return line.substr(0, at) + "0,0,0";
+    });
+    const InspectReport r = inspect(folder);
+    EXPECT_TRUE(has_problem(r, Level::Warning, "velocities are always zero"));
+    EXPECT_TRUE(sets(r, "gnss.use_velocity = false")) << r.dataset_toml;
+    EXPECT_EQ(value_of(r, "vehicle.kind"), "car");
+    ASSERT_FALSE(r.doubts.empty());
+}
+
+TEST(FaultyColumns, CoarseStampsAreSpread) {
+    const auto folder = fresh_folder("coarse");
+    CarLog car;
+    car.gnss_rate = 4.0;
+    write_car(folder, car);
+    change_rows(folder / car.gnss_name,
+                [](int, const std::string& line) { return line.substr(0, 4) + line.substr(line.find(',')); });
+    const InspectReport r = inspect(folder);
+    EXPECT_TRUE(has_problem(r, Level::Warning, "rows have the time of another row"));
+    EXPECT_NEAR(file_named(r, "gnss.csv")->rate_hz, 4.0, 1e-6);
+    EXPECT_EQ(value_of(r, "imu.axes"), "frd");
+}
+
+TEST(FaultyColumns, SentinelsAreLeftOut) {
+    const auto folder = fresh_folder("sentinels");
+    CarLog car;
+    write_car(folder, car);
+    change_rows(folder / car.imu_name, [](int i, const std::string& line) {
+        if (i % 1000 == 500) return line.substr(0, line.rfind(',')) + ",9999";
+        const std::size_t first = line.find(',') + 1;
+        return i % 1000 == 700 ? line.substr(0, first) + "-300" + line.substr(line.find(',', first)) : line;
+    });
+    const InspectReport r = inspect(folder);
+    EXPECT_TRUE(has_problem(r, Level::Warning, "24 single samples are far beyond all others"));
+    EXPECT_EQ(file_named(r, "imu.csv")->rows, 11976U);
+    EXPECT_EQ(value_of(r, "imu.axes"), "frd");
+}
+
+}  // namespace
+}  // namespace schuler::inspect::test
