@@ -82,9 +82,8 @@ std::string words_of_shift(double shift) {
 
 }  // namespace
 
-bool shows_lag(const MotionFit& fit) {
-    return fit.windows >= 3 && fit.horizontal.found && fit.horizontal.contrast >= 0.2 && fit.horizontal.sigma <= 0.1;
-}
+bool shows_lag(const Agreement& a) { return a.found && a.contrast >= 0.2 && a.sigma <= 0.1; }
+bool shows_lag(const MotionFit& fit) { return fit.windows >= 3 && shows_lag(fit.horizontal); }
 
 void judge_clock_steps(Study& study) {
     if (study.imu_file == nullptr || study.gnss_file == nullptr || !study.overlap || study.dated_fixes_move()) return;
@@ -120,8 +119,12 @@ void judge_clock(Study& study) {
     const bool fits = shows_lag(there) && there.rms < 0.6 * there.motion &&
                       !(study.overlap && there.rms > 0.7 * fit_at(study, 0.0, window).rms);
     if (!fits && !plain(*best, scan)) return;
-    // An unknown shift includes the receiver's latency: the two cannot be separated.
-    const double lag = fits ? there.horizontal.at - middle_lag : 0.0;
+    // An unknown shift includes the receiver's latency: the two cannot be separated. It is that of the positions: velocities are often
+    // older, and the positions would otherwise seem to be of the future.
+    Agreement older;
+    if (fits && study.gnss.has_velocity()) older = velocity_behind_position(study.gnss, false);
+    if (!shows_lag(older)) older = {};
+    const double lag = fits ? there.horizontal.at - middle_lag - older.at : 0.0;
     const double shift = best->known ? sought : std::round(100.0 * (sought + lag)) / 100.0;
     const std::string fit_text =
         fits ? fmt::format("; {} windows, left of {:.3g} m/s motion {:.2g} m/s", there.windows, there.motion, there.rms)
@@ -141,7 +144,7 @@ void judge_clock(Study& study) {
         return;
     }
     study.clock_shift = shift;
-    study.clock_sigma = best->known ? 0.0 : fits ? std::hypot(there.horizontal.sigma, 0.02) : 0.1;
+    study.clock_sigma = best->known ? 0.0 : fits ? std::hypot(there.horizontal.sigma, older.sigma, 0.02) : 0.1;
     study.clock_evidence = fmt::format("{}; {}", evidence, stated);
     study.overlap = true;
     set_clock(study.imu, shift, 0.0, 0.0);

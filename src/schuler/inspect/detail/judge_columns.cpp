@@ -223,15 +223,16 @@ bool judge_accel_columns(Study& study) {
         best = &columns;
         best_fit = std::move(one);
     }
-    constexpr double well = 0.3, clearly = 0.6;  // of the motion, and of what the other explanations leave
+    // of the motion, of what the names leave, and of what the other explanations leave
+    constexpr double well = 0.3, clearly = 0.6, better = 0.85;
     if (!shows_lag(best_fit) || best_fit.rms > well * best_fit.motion || best_fit.rms > clearly * fit.rms) return false;
     for (const Trial& gyros : gyros_turned_round(study, source))
-        if (best_fit.rms > clearly * gyros.fit.rms) return false;
+        if (best_fit.rms > better * gyros.fit.rms) return false;
     for (int axis = 0; axis < 3; ++axis) {
         ImuSeries turned = study.imu;
         for (Eigen::Vector3d& f : turned.f) f(axis) = -f(axis);
         const MotionFit one = fit_motion(turned, study.gnss, source, study.still.w, study.still.any(), study.gravity);
-        if (best_fit.rms > clearly * one.rms) return false;
+        if (best_fit.rms > better * one.rms) return false;
     }
     read_as(
         study, *best,

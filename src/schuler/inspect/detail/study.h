@@ -100,6 +100,7 @@ bool judge_accel_signs(Study& study);
 [[nodiscard]] double felt_in_turns(const Study& study);
 
 /// True if a fit determines the lag of the GNSS behind the IMU.
+[[nodiscard]] bool shows_lag(const Agreement& a);
 [[nodiscard]] bool shows_lag(const MotionFit& fit);
 
 /// The columns and scale lines of a section, if names or units must be stated.
