@@ -32,7 +32,7 @@ RC_GTEST_PROP(HeadingForce, NothingIsLostAndNothingIsInvented, ()) {
     RC_ASSERT((f.effective + now.change - held - level(change)).norm() < 1e-12);
     RC_ASSERT(now.change.norm() <= now.limit + 1e-12);
     // two sigma of the horizontal velocity less the noise already counted, and less where the heading is known
-    const double bound = 2.0 * std::sqrt(std::max(0.0, 2.0 * sigma * sigma - 0.01));
+    const double bound = std::min(0.5, 2.0 * std::sqrt(std::max(0.0, 2.0 * sigma * sigma - 0.01)));
     RC_ASSERT(now.limit <= bound + 1e-12);
     if (heading > 0.05) RC_ASSERT(std::abs(now.limit - bound) < 1e-9);
     if (heading < 0.0175) RC_ASSERT(now.limit == 0.0);

@@ -11,6 +11,8 @@ using Eigen::Vector3d;
 namespace {
 
 constexpr double bound = 2.0;  ///< one sigma of the horizontal velocity
+/// m/s: fixes keep the velocity better than that; where it has been opened, the accelerations that tell it anew must not be withheld.
+constexpr double most = 0.5;
 /// rad, sigmas of the heading: below the first the products of two errors have no weight in hours, from the second on they have.
 constexpr double known = 0.0175, unknown = 0.05;
 
@@ -37,7 +39,7 @@ HeadingForce heading_force(const Vector3d& change, const Withheld& before, const
         std::max(0.0, velocity.trace() - down.dot(velocity * down) - before.noise);  // the noise must not raise its own bound
     const double weight = (heading_variance - known * known) / (unknown * unknown - known * known);
     Withheld& w = out.withheld;
-    w.limit = bound * std::sqrt(velocity_variance) * std::clamp(weight, 0.0, 1.0);
+    w.limit = std::min(most, bound * std::sqrt(velocity_variance)) * std::clamp(weight, 0.0, 1.0);
     // A limit that has become smaller brings up nothing of the past: that would not be an acceleration of now.
     w.change = horizontal(before.change, down);
     shorten(w.change, w.limit);
