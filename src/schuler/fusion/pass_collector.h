@@ -30,7 +30,8 @@ public:
     }
 
     [[nodiscard]] bool wants_all_states(Time time) const override {
-        return options_.outputs && (covariance_due(time) || time >= next_sensor_);
+        // The smoother replays the run and propagates at every output; what is withheld from an unknown heading depends on when (HeadingForce).
+        return options_.smooth || (options_.outputs && (covariance_due(time) || time >= next_sensor_));
     }
     void output(const FilterRun<Frame>& run, Time time) override {
         if (!options_.outputs) return;

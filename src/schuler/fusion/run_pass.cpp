@@ -117,11 +117,17 @@ void smooth_back(const Pass<Frame>& pass, const InertialModel& model, const Sett
     std::ranges::reverse(out.outage_epochs);
 }
 
+/// Propagates the covariance when the tape does.
+template <class Frame>
+struct Rehearsal : PassObserver<Frame> {
+    [[nodiscard]] bool wants_all_states(Time) const override { return true; }
+};
+
 /// Repeats the run with the hypotheses that were finally accepted.
 template <class Frame>
 std::vector<FilterRun<Frame>> checkpoints_of(const Pass<Frame>& pass, FilterRun<Frame> run, std::size_t end) {
     std::vector<FilterRun<Frame>> checkpoints;
-    PassObserver<Frame> nobody;
+    Rehearsal<Frame> nobody;
     while (run.increment <= end) {
         pass.propagate_covariance(run, nobody);
         checkpoints.push_back(run);
