@@ -38,7 +38,7 @@ InertialFilter<Frame> started(const InertialModel& model, double heading = 0.01)
     f.P.diagonal().template segment<3>(0).setConstant(4.0);
     f.P.diagonal().template segment<3>(3).setConstant(0.04);
     f.P.diagonal().template segment<3>(6).setConstant(1e-4);
-    // less than a degree of heading over the run: an unknown heading is a matter of its own (HeadingForce)
+    // less than two degrees of heading over the run: an unknown heading is a matter of its own (HeadingForce)
     f.P.diagonal().template segment<3>(9).setConstant(1e-8);
     f.P.diagonal().template segment<3>(12).setConstant(1e-3);
     const Vector3d down = f.to_local_level(model).template block<3, 3>(6, 6).transpose().col(2);

@@ -34,8 +34,8 @@ RC_GTEST_PROP(HeadingForce, NothingIsLostAndNothingIsInvented, ()) {
     // two sigma of the horizontal velocity less the noise already counted, and less where the heading is known
     const double bound = std::min(0.5, 2.0 * std::sqrt(std::max(0.0, 2.0 * sigma * sigma - 0.01)));
     RC_ASSERT(now.limit <= bound + 1e-12);
-    if (heading > 0.05) RC_ASSERT(std::abs(now.limit - bound) < 1e-9);
-    if (heading < 0.0175) RC_ASSERT(now.limit == 0.0);
+    if (heading > 0.1) RC_ASSERT(std::abs(now.limit - bound) < 1e-9);
+    if (heading < 0.035) RC_ASSERT(now.limit == 0.0);
     // the error made is across what is withheld: an error of the heading by psi turns it by psi; it is counted once
     RC_ASSERT((f.velocity_noise * down).norm() < 1e-9);
     RC_ASSERT((f.velocity_noise * now.change).norm() < 1e-9);

@@ -14,7 +14,7 @@ constexpr double bound = 2.0;  ///< one sigma of the horizontal velocity
 /// m/s: fixes keep the velocity better than that; where it has been opened, the accelerations that tell it anew must not be withheld.
 constexpr double most = 0.5;
 /// rad, sigmas of the heading: below the first the products of two errors have no weight in hours, from the second on they have.
-constexpr double known = 0.0175, unknown = 0.05;
+constexpr double known = 0.035, unknown = 0.1;
 
 Vector3d horizontal(const Vector3d& v, const Vector3d& down) { return v - down.dot(v) * down; }
 
