@@ -53,14 +53,15 @@ TEST(HeadingForce, OfAKnownHeadingIsTheWholeAcceleration) {
 /// A vehicle of given heading whose velocity is `velocity(t)`, with a unit of consumer grade and RTK velocities five times a second:
 /// errors of heading and their sigmas at the end of 60 s, from starts that are wrong by a random angle of sigma 45 deg.
 template <class Frame, class Velocity>
-std::pair<double, double> heading_after(Velocity&& velocity) {
+std::pair<double, double> heading_after(Velocity&& velocity, const Vector3d& lever_arm = Vector3d::Zero()) {
     constexpr double dt = 0.02, heading = 1.3, duration = 60.0, of_velocity = 0.03, of_heading = 0.8, of_level = 0.01;
     constexpr int runs = 40;
     Settings settings;
     Recording recording;
     const sensor::ImuErrorModel errors = sensor::imu_grade("consumer");
     const Layout layout = make_layout(settings, recording);
-    const InertialModel model(settings.earth, layout, errors);
+    InertialModel model(settings.earth, layout, errors);
+    model.lever_arm_b = lever_arm;
     math::Random random(7, "straight");
     double nees = 0.0, variance = 0.0;
     for (int run = 0; run < runs; ++run) {
@@ -96,7 +97,14 @@ std::pair<double, double> heading_after(Velocity&& velocity) {
                         {});
             estim::Transition phi;
             if (k % 5 == 0) (void)f.propagate_covariance(model, phi);
+            truth.position = earth::moved_by_ned(model.earth, truth.position, 0.5 * dt * (v0 + v1));
             if (k % 10 != 0) continue;
+            if (!lever_arm.isZero(0.0)) {
+                const Geodetic antenna =
+                    earth::moved_by_ned(model.earth, truth.position, C * lever_arm + 0.02 * random.normal3());
+                const Measurement m = gnss_position(f.estimate(model), antenna, Vector3d::Constant(4e-4), lever_arm, {});
+                (void)f.update(model, f.to_own(model, m), [](const auto&) {});
+            }
             const Measurement m = gnss_velocity(f.estimate(model), v1 + of_velocity * random.normal3(),
                                                 Vector3d::Constant(of_velocity * of_velocity), Vector3d::Zero(), -1, {});
             (void)f.update(model, f.to_own(model, m), [](const auto&) {});
@@ -116,6 +124,17 @@ void check_straight() {
     EXPECT_LT(nees, 2.5);    // chi-square of 40, and angles near half a turn
 }
 TEST(StraightMotion, TellsNoHeading) { check_straight<GeographicFrame>(); }
+/// Each correction of the heading moves the antenna about the unit; what fixes of a centimetre told of it must not become a heading.
+template <class Frame>
+void check_eccentric() {
+    const auto [nees, sigma] = heading_after<Frame>([](double) { return Vector3d(2.0, 7.0, 0.0); }, {0.4, -0.2, -1.1});
+    EXPECT_GT(sigma, 0.6);
+    EXPECT_LT(nees, 4.5);  // a lever arm turned by a radian is no linear matter
+}
+TEST(StraightMotion, TellsNoHeadingByALeverArm) {
+    check_eccentric<GeographicFrame>();
+    check_eccentric<EarthFixedFrame>();
+}
 TEST(StraightMotion, TellsNoHeadingInTheEarthFixedFrame) { check_straight<EarthFixedFrame>(); }
 
 TEST(StraightMotion, AGentleAccelerationTellsTheHeading) {

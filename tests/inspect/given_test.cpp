@@ -29,11 +29,6 @@ Given named(const fs::path& folder) {
     return given;
 }
 
-const Fact* fact(const InspectReport& report, const std::string& key) {
-    const auto it = std::ranges::find(report.facts, key, &Fact::key);
-    return it == report.facts.end() ? nullptr : &*it;
-}
-
 std::string text_of(const InspectReport& report, const std::string& key) {
     const Fact* f = fact(report, key);
     return f == nullptr ? "(not found)" : to_text(f->value);

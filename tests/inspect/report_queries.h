@@ -17,6 +17,12 @@ inline const Finding* finding(const InspectReport& report, const std::string& ke
     }
     return nullptr;
 }
+inline const Fact* fact(const InspectReport& report, const std::string& key) {
+    for (const Fact& f : report.facts) {
+        if (f.key == key) return &f;
+    }
+    return nullptr;
+}
 inline std::string value_of(const InspectReport& report, const std::string& key) {
     const Finding* f = finding(report, key);
     return f == nullptr ? "(not found)" : f->value;

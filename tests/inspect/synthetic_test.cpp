@@ -255,9 +255,9 @@ TEST(SyntheticCar, GyrosTurningTheWrongWayAreTurnedRound) {
     car.gyro_factor = -1.0;
     write_car(folder, car);
     const InspectReport r = inspect(folder);
-    const auto fact = std::ranges::find(r.facts, "imu.scale", &Fact::key);
-    ASSERT_NE(fact, r.facts.end());
-    const auto& scale = std::get<std::map<std::string, double>>(fact->value);
+    const Fact* found = fact(r, "imu.scale");
+    ASSERT_NE(found, nullptr);
+    const auto& scale = std::get<std::map<std::string, double>>(found->value);
     // the vertical one at least: a car hardly turns about the others
     EXPECT_EQ(scale.contains("gyro_rad_s") ? scale.at("gyro_rad_s") : scale.at("gyro_z_rad_s"), -1.0);
     EXPECT_EQ(r.doubts.size(), 1u);
@@ -270,9 +270,9 @@ TEST(SyntheticCar, ExchangedLatitudeAndLongitudeAreExchangedBack) {
     car.gnss_header = "time_s,lon_deg,lat_deg,height_m,vel_n_m_s,vel_e_m_s,vel_d_m_s";
     write_car(folder, car);
     const InspectReport r = inspect(folder);
-    const auto fact = std::ranges::find(r.facts, "gnss.columns", &Fact::key);
-    ASSERT_NE(fact, r.facts.end());
-    const auto& columns = std::get<std::map<std::string, std::string>>(fact->value);
+    const Fact* found = fact(r, "gnss.columns");
+    ASSERT_NE(found, nullptr);
+    const auto& columns = std::get<std::map<std::string, std::string>>(found->value);
     EXPECT_EQ(columns.at("lat_deg"), "lon_deg");
     EXPECT_EQ(columns.at("lon_deg"), "lat_deg");
     EXPECT_EQ(r.doubts.size(), 1u);

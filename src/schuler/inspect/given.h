@@ -15,7 +15,7 @@
 
 namespace schuler::inspect {
 
-/// A file with its role in the data set.
+/// A file with its role in the data set. Without a path, columns and scale are those of the log that is found for the role.
 struct GivenFile {
     std::filesystem::path path;                  ///< empty: not given
     std::string name;                            ///< as given by the user

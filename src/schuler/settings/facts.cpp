@@ -102,9 +102,8 @@ inspect::Given given_of(const Config& c, const SettingList& given, const std::fi
     g.mag = file_of(c.mag, folder, "mag.file");
     g.reference = file_of(c.reference, folder, "reference.file");
     g.find_imu = c.imu.file.empty();
-    // with a start that is given the IMU may be meant to navigate alone
-    g.find_gnss = c.gnss.file.empty() && c.raw.observations.empty() && c.ranges.file.empty() &&
-                  std::ranges::none_of(g.keys, [](const std::string& key) { return key.starts_with("initial."); });
+    // with a position at the start the IMU may be meant to navigate alone
+    g.find_gnss = c.gnss.file.empty() && c.raw.observations.empty() && c.ranges.file.empty() && !g.has("initial.lat_deg");
     g.find_logs = c.imu.file.empty() && c.gnss.file.empty() && c.raw.observations.empty() && c.ranges.file.empty();
     g.fix_codes = c.fix_codes;
     if (g.has("vehicle.kind")) g.vehicle = vehicle_name(c);

@@ -174,7 +174,7 @@ SCHULER_ARCHIVED(GatheredMotion, time, distance, force, force2, acceleration, tu
 SCHULER_ARCHIVED(StateProcess, decay, psd)
 SCHULER_ARCHIVED(Withheld, change, limit, covered, noise)
 SCHULER_ARCHIVED_IN_FRAME(InertialFilter, nav, parameters, error, P, gathered, used, C, previous, w_ib_b, mean_force,
-                          recent_force, withheld, cached_time, cached_diagonal, cached_q, slot_process)
+                          recent_force, antenna_moved, withheld, cached_time, cached_diagonal, cached_q, slot_process)
 SCHULER_ARCHIVED(estim::Row, head, index, value, count)
 SCHULER_ARCHIVED(Measurement, dof, rows, innovation, variance)
 SCHULER_ARCHIVED(CarriedFix, measurement, corrected, rows, left, stamp, next, every)

@@ -16,8 +16,6 @@ constexpr double most = 0.5;
 /// rad, sigmas of the heading: below the first the products of two errors have no weight in hours, from the second on they have.
 constexpr double known = 0.035, unknown = 0.1;
 
-Vector3d horizontal(const Vector3d& v, const Vector3d& down) { return v - down.dot(v) * down; }
-
 void shorten(Vector3d& v, double limit) {
     if (const double size = v.norm(); size > limit) v *= limit / size;
 }
@@ -41,11 +39,11 @@ HeadingForce heading_force(const Vector3d& change, const Withheld& before, const
     Withheld& w = out.withheld;
     w.limit = std::min(most, bound * std::sqrt(velocity_variance)) * std::clamp(weight, 0.0, 1.0);
     // A limit that has become smaller brings up nothing of the past: that would not be an acceleration of now.
-    w.change = horizontal(before.change, down);
+    w.change = horizontal_part(before.change, down);
     shorten(w.change, w.limit);
     w.covered = std::min(before.covered, w.limit);
     w.noise = before.noise;
-    const Vector3d sum = w.change + horizontal(change, down);
+    const Vector3d sum = w.change + horizontal_part(change, down);
     w.change = sum;
     shorten(w.change, w.limit);
     out.effective = sum - w.change;

@@ -11,6 +11,11 @@
 
 namespace schuler::filter {
 
+/// The part of a vector that is perpendicular to the unit vector `down`.
+[[nodiscard]] inline Eigen::Vector3d horizontal_part(const Eigen::Vector3d& v, const Eigen::Vector3d& down) {
+    return v - down.dot(v) * down;
+}
+
 /// What has been withheld so far; in the axes of the frame.
 struct Withheld {
     Eigen::Vector3d change = Eigen::Vector3d::Zero();  ///< of the horizontal velocity, m/s

@@ -167,6 +167,14 @@ Vector3d InertialFilter<Frame>::down_axis(const InertialModel& model) const {
 }
 
 template <class Frame>
+Vector3d InertialFilter<Frame>::antenna(const InertialModel& model) const {
+    const int state = model.layout.lever_arm;
+    Vector3d l_b = model.lever_arm_b;
+    if (state >= 0) l_b = parameters.segment<3>(state) - error.segment<3>(state);
+    return math::dcm_from_rotation_vector(error.segment<3>(Layout::attitude)) * (C * l_b);
+}
+
+template <class Frame>
 HeadingForce InertialFilter<Frame>::force_for_heading(const InertialModel& model) const {
     const Vector3d down = down_axis(model);
     // of the velocity at the end of the interval, by that of velocity, level and accelerometer biases at its start
@@ -188,12 +196,14 @@ template <class Frame>
 void InertialFilter<Frame>::fill_transition(const InertialModel& model, const HeadingForce& force, estim::Transition& phi) const {
     gathered.fill(model.layout, phi);
     // What is withheld is a part of the acceleration: the force that balances gravity and the Coriolis acceleration is smooth.
-    const Vector3d& all = gathered.acceleration;
-    const Vector3d column = (force.effective - (all - force.down.dot(all) * force.down)).cross(force.down);
+    const Vector3d column = (force.effective - horizontal_part(gathered.acceleration, force.down)).cross(force.down);
     for (int i = 0; i < 3; ++i) {
         phi.rows.col(Layout::velocity + i).template segment<3>(Layout::attitude) += column(i) * force.down;
         phi.rows.col(Layout::position + i).template segment<3>(Layout::attitude) += 0.5 * gathered.time * column(i) * force.down;
     }
+    const Matrix3d of_antenna = math::skew(antenna_moved);
+    for (int i = 0; i < 3; ++i)
+        phi.rows.col(Layout::position + i).template segment<3>(Layout::attitude) += of_antenna.row(i).transpose();
     if (model.layout.gravity_constant >= 0)
         fill_disturbance(model.disturbance, model.layout, gathered.time, gathered.distance, disturbance_axes(model), phi);
     gathered.add_earth(Frame::dynamics(model.earth, nav, Vector3d::Zero()), phi);
@@ -230,6 +240,7 @@ bool InertialFilter<Frame>::propagate_covariance(const InertialModel& model, est
     gathered.add_noise(bias_noise(model), P);
     P.block<3, 3>(Layout::velocity, Layout::velocity) += force.velocity_noise;
     withheld = force.withheld;
+    antenna_moved.setZero();
     P.diagonal().head(used) += cached_q.head(used);
     if (L.clock >= 0) {
         const double cross = 0.5 * model.drift_psd * T * T;
@@ -248,8 +259,7 @@ bool InertialFilter<Frame>::propagate_covariance(const InertialModel& model, est
         const Vector3d before = error.segment<3>(Layout::velocity);
         error = phi.times(error);
         // the acceleration of the estimate, not that of the nominal state
-        const Vector3d of_error = error.segment<3>(Layout::velocity) - before;
-        withheld.change -= of_error - force.down.dot(of_error) * force.down;
+        withheld.change -= horizontal_part(error.segment<3>(Layout::velocity) - before, force.down);
     }
     mean_force = gathered.force / T;
     gathered.reset();
@@ -297,14 +307,16 @@ Eigen::Vector3d InertialFilter<Frame>::sigma_apart(const InertialModel& model, c
 
 template <class Frame>
 void InertialFilter<Frame>::apply(const InertialModel& model, const StateVector& dx) {
-    const Vector3d by = dx.segment<3>(Layout::velocity), down = down_axis(model);
-    withheld.correct(down.dot(by) * down - by);
-    if (model.loop != Loop::Closed) {
+    withheld.correct(-horizontal_part(dx.segment<3>(Layout::velocity), down_axis(model)));
+    const bool eccentric = model.layout.lever_arm >= 0 || !model.lever_arm_b.isZero(0.0);
+    if (eccentric) antenna_moved += antenna(model);
+    if (model.loop == Loop::Closed) {
+        set_nav(Frame::corrected(model.earth, nav, dx.head<9>()));
+        parameters.tail(dx.size() - 9) -= dx.tail(dx.size() - 9);
+    } else {
         error += dx;
-        return;
     }
-    set_nav(Frame::corrected(model.earth, nav, dx.head<9>()));
-    parameters.tail(dx.size() - 9) -= dx.tail(dx.size() - 9);
+    if (eccentric) antenna_moved -= antenna(model);
 }
 
 template <class Frame>

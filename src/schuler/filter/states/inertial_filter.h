@@ -44,6 +44,7 @@ struct InertialModel {
     double found_mounting_std = 0.0;                        ///< rad, ImuSettings
     double leeway_std = 0.0;                                ///< rad, if the heading sensor is the course of a ship
     std::array<StateProcess, estim::max_states> process{};  ///< of the states from index 9 on
+    Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();  ///< m, of the GNSS antenna, if it is no state
     double clock_psd = 0.0, drift_psd = 0.0;                ///< m^2/s, m^2/s^3
     sensor::GnssErrorModel gnss;                            ///< of the receiver states; their decay may depend on speed
     DisturbanceModel disturbance;                           ///< gravity disturbance, if the layout includes it
@@ -81,8 +82,11 @@ struct InertialFilter {
     Eigen::Vector3d mean_force = Eigen::Vector3d::Zero();  ///< specific force over the last interval, frame axes, m/s^2
     Eigen::Vector3d recent_force =
         Eigen::Vector3d::Zero();  ///< the same as an exponential mean over force_memory, independent of the intervals
-    Withheld withheld;            ///< from the column of the heading
-    double cached_time = -1.0;    ///< of decay and noise below, s
+    /// m, frame axes: by which corrections of the attitude have moved the antenna about the unit since the last propagation. The fixes
+    /// give the antenna; the covariance keeps what is known of it, so that a correction of the heading is no information on it.
+    Eigen::Vector3d antenna_moved = Eigen::Vector3d::Zero();
+    Withheld withheld;          ///< from the column of the heading
+    double cached_time = -1.0;  ///< of decay and noise below, s
     StateVector cached_diagonal, cached_q;
     std::array<StateProcess, Layout::slots> slot_process{};  ///< of the source block, whose states are reassigned
 
@@ -169,6 +173,8 @@ private:
     /// Rows and gravity disturbance of the transition over the gathered motion; D and shears of phi are those of the other states.
     void fill_transition(const InertialModel& model, const HeadingForce& force, estim::Transition& phi) const;
     [[nodiscard]] Eigen::Vector3d down_axis(const InertialModel& model) const;
+    /// Lever arm of the antenna by the estimate, frame axes, m.
+    [[nodiscard]] Eigen::Vector3d antenna(const InertialModel& model) const;
     /// What the gathered motion says about the heading.
     [[nodiscard]] HeadingForce force_for_heading(const InertialModel& model) const;
     /// Nominal gravity disturbance and `gathered.distance` after dt at the current velocity.

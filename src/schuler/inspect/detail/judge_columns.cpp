@@ -159,129 +159,114 @@ namespace {
 
 constexpr std::array<const char*, 3> accel_names{"accel_x_m_s2", "accel_y_m_s2", "accel_z_m_s2"};
 
-/// An assignment of the three accelerometer columns to the axes, all turned round or not.
-struct Columns {
-    std::array<int, 3> from{0, 1, 2};
-    bool negated = false;
+/// Which column is read as which axis of the accelerometer, and with which sign.
+struct Reading {
+    std::array<int, 3> from;
+    std::array<double, 3> sign;
     [[nodiscard]] Eigen::Vector3d operator()(const Eigen::Vector3d& f) const {
-        return (negated ? -1.0 : 1.0) * Eigen::Vector3d(f(from[0]), f(from[1]), f(from[2]));
+        return {sign[0] * f(from[0]), sign[1] * f(from[1]), sign[2] * f(from[2])};
     }
 };
-constexpr std::array<Columns, 6> assignments{
-    {{{0, 1, 2}, true}, {{1, 0, 2}, false}, {{2, 1, 0}, false}, {{0, 2, 1}, false}, {{1, 2, 0}, false}, {{2, 0, 1}, false}}};
+constexpr std::array<int, 3> as_named{0, 1, 2};
+constexpr std::array<double, 3> straight{1.0, 1.0, 1.0};
+constexpr std::array<Reading, 3> one_reversed{
+    {{as_named, {-1.0, 1.0, 1.0}}, {as_named, {1.0, -1.0, 1.0}}, {as_named, {1.0, 1.0, -1.0}}}};
+constexpr std::array<Reading, 6> others{{{as_named, {-1.0, -1.0, -1.0}},
+                                         {{1, 0, 2}, straight},
+                                         {{2, 1, 0}, straight},
+                                         {{0, 2, 1}, straight},
+                                         {{1, 2, 0}, straight},
+                                         {{2, 0, 1}, straight}}};
 
-MotionFit fit_with(const Study& study, FitSource source, const Columns& columns) {
-    ImuSeries read = study.imu;
-    for (Eigen::Vector3d& f : read.f) f = columns(f);
-    return fit_motion(read, study.gnss, source, study.still.w, study.still.any(), study.gravity);
+struct ReadingTrial {
+    const Reading* reading = nullptr;
+    MotionFit fit;
+};
+
+template <std::size_t N>
+ReadingTrial best_of(const std::array<Reading, N>& readings, const Study& study, FitSource source) {
+    ReadingTrial best;
+    for (const Reading& reading : readings) {
+        ImuSeries imu = study.imu;
+        for (Eigen::Vector3d& f : imu.f) f = reading(f);
+        MotionFit fit = fit_motion(imu, study.gnss, source, study.still.w, study.still.any(), study.gravity);
+        if (best.reading == nullptr || fit.rms < best.fit.rms) best = {&reading, std::move(fit)};
+    }
+    return best;
 }
 
-void read_as(Study& study, const Columns& columns, const std::string& why) {
+/// Reads the accelerometers so, and reports it.
+void read_as(Study& study, const Reading& reading, const std::string& why) {
     LoadedFile& file = *study.imu_file;
-    std::string text;
-    if (columns.negated) {
-        text = "accelerometer turned round in all axes";
-        const auto unit = std::ranges::find(study.imu_units, "accel_m_s2", &UnitChange::key);
-        if (unit != study.imu_units.end()) unit->factor = -unit->factor;
-        else study.imu_units.push_back({"accel_m_s2", -file.plan.find(accel_names[0])->factor, "turned round", 0.9, why, false});
-        for (const char* name : accel_names)
-            for (double& v : file.columns[name]) v = -v;
-    } else {
-        std::array<std::vector<double>, 3> values;
-        for (std::size_t i = 0; i < 3; ++i) values[i] = file.columns[accel_names[i]];
-        for (std::size_t i = 0; i < 3; ++i) {
-            const auto from = static_cast<std::size_t>(columns.from[i]);
-            if (from == i) continue;
-            const std::string& name = file.plan.find(accel_names[from])->file_name;
-            file.columns[accel_names[i]] = values[from];
-            file.column_map[accel_names[i]] = name;
-            text +=
-                fmt::format("{}{} is {}", text.empty() ? "accelerometer columns are exchanged: " : ", ", accel_names[i][6], name);
+    const auto unit = std::ranges::find(study.imu_units, "accel_m_s2", &UnitChange::key);
+    std::array<std::vector<double>, 3> values;
+    for (std::size_t i = 0; i < 3; ++i) values[i] = file.columns[accel_names[i]];
+    std::string reversed, exchanged;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const auto from = static_cast<std::size_t>(reading.from[i]);
+        std::vector<double>& column = file.columns[accel_names[i]] = values[from];
+        if (from != i) {
+            file.column_map[accel_names[i]] = file.plan.find(accel_names[from])->file_name;
+            exchanged +=
+                fmt::format("{}{} is {}", exchanged.empty() ? "" : ", ", accel_names[i][6], file.column_map[accel_names[i]]);
         }
-        study.found("imu.columns", "accelerometers exchanged", 0.9, why);
+        if (reading.sign[i] > 0.0) continue;
+        for (double& v : column) v = -v;
+        reversed += fmt::format("{}{}", reversed.empty() ? "" : ", ", accel_names[i][6]);
     }
-    for (Eigen::Vector3d& f : study.imu.f) f = columns(f);
-    study.doubts.push_back(fmt::format("{}: {}: {}", file.report.path, text, why));
+    if (!exchanged.empty()) study.found("imu.columns", exchanged, 0.9, why);
+    const bool all = std::ranges::max(reading.sign) < 0.0, has_unit = unit != study.imu_units.end();
+    if (all && has_unit) unit->factor = -unit->factor;
+    for (std::size_t i = 0; i < 3 && !(all && has_unit); ++i) {
+        if (reading.sign[i] > 0.0) continue;
+        const double factor = has_unit ? unit->factor : file.plan.find(accel_names[i])->factor;
+        study.imu_units.push_back({all ? "accel_m_s2" : accel_names[i], -factor, "turned round", 0.9, why, false});
+        break;  // one axis, or all together
+    }
+    for (Eigen::Vector3d& f : study.imu.f) f = reading(f);
+    study.doubts.push_back(
+        exchanged.empty() ? fmt::format("{}: accelerometer {} turned round: {}", file.report.path, reversed, why)
+                          : fmt::format("{}: accelerometer columns are exchanged, {}: {}", file.report.path, exchanged, why));
     study.problem(Level::Warning, study.doubts.back(), "check the names and signs of the columns");
 }
 
 }  // namespace
 
-bool judge_accel_columns(Study& study) {
-    if (!study.overlap || study.imu_file == nullptr || study.imu_file->has("dtheta_x_rad")) return false;
-    const MotionFit& fit = study.gnss.has_velocity() ? study.velocity_fit : study.position_fit;
-    if (fit.windows < 5 || (shows_lag(fit) && fit.rms < 0.3 * fit.motion && !turns_against_course(study))) return false;
-    const io::ColumnOverrides& given = study.imu_file->as.overrides;
-    const auto of_accel = [](const auto& entry) { return entry.first.starts_with("accel"); };
-    if (std::ranges::any_of(given.scale, of_accel) || std::ranges::any_of(given.columns, of_accel)) return false;
-    const FitSource source = study.gnss.has_velocity() ? FitSource::Velocity : FitSource::Displacement;
-    const Columns* best = nullptr;
-    MotionFit best_fit;
-    for (const Columns& columns : assignments) {
-        MotionFit one = fit_with(study, source, columns);
-        if (best != nullptr && one.rms >= best_fit.rms) continue;
-        best = &columns;
-        best_fit = std::move(one);
-    }
-    // of the motion, of what the names leave, and of what the other explanations leave
-    constexpr double well = 0.3, clearly = 0.6, better = 0.85;
-    if (!shows_lag(best_fit) || best_fit.rms > well * best_fit.motion || best_fit.rms > clearly * fit.rms) return false;
-    for (const Trial& gyros : gyros_turned_round(study, source))
-        if (best_fit.rms > better * gyros.fit.rms) return false;
-    for (int axis = 0; axis < 3; ++axis) {
-        ImuSeries turned = study.imu;
-        for (Eigen::Vector3d& f : turned.f) f(axis) = -f(axis);
-        const MotionFit one = fit_motion(turned, study.gnss, source, study.still.w, study.still.any(), study.gravity);
-        if (best_fit.rms > better * one.rms) return false;
-    }
-    read_as(
-        study, *best,
-        fmt::format("as they are named the IMU leaves {:.2g} m/s of the track's motion, so {:.2g} m/s", fit.rms, best_fit.rms));
-    return true;
-}
-
-bool judge_accel_signs(Study& study) {
-    constexpr double to_the_wrong_side = -0.5, clearly = 0.5, somewhat = 0.9;
+bool judge_accelerometers(Study& study) {
+    constexpr double to_the_wrong_side = -0.5, well = 0.3, clearly = 0.5, somewhat = 0.9, better = 0.85;
     if (!study.overlap || study.imu_file == nullptr || study.imu_file->has("dtheta_x_rad")) return false;
     const MotionFit& fit = study.gnss.has_velocity() ? study.velocity_fit : study.position_fit;
     const double felt = felt_in_turns(study);
-    const bool fits = shows_lag(fit) && fit.rms < 0.3 * fit.motion;
-    if (fit.windows < 5 || (fits && !(felt < to_the_wrong_side) && !turns_against_course(study))) return false;
-    const auto& given = study.imu_file->as.overrides.scale;
-    if (std::ranges::any_of(given, [](const auto& entry) { return entry.first.starts_with("accel"); })) return false;
+    const bool outwards = felt < to_the_wrong_side, fits = shows_lag(fit) && fit.rms < well * fit.motion,
+               mirrored = turns_against_course(study);
+    if (fit.windows < 5 || (fits && !outwards && !mirrored)) return false;
+    const io::ColumnOverrides& given = study.imu_file->as.overrides;
+    const auto of_accel = [](const auto& entry) { return entry.first.starts_with("accel"); };
+    if (std::ranges::any_of(given.scale, of_accel)) return false;
     const FitSource source = study.gnss.has_velocity() ? FitSource::Velocity : FitSource::Displacement;
-    int best = -1;
-    MotionFit best_fit;
-    for (int axis = 0; axis < 3; ++axis) {
-        ImuSeries turned = study.imu;
-        for (Eigen::Vector3d& f : turned.f) f(axis) = -f(axis);
-        MotionFit one = fit_motion(turned, study.gnss, source, study.still.w, study.still.any(), study.gravity);
-        if (best >= 0 && one.rms >= best_fit.rms) continue;
-        best = axis;
-        best_fit = std::move(one);
+    const auto why = [&](const MotionFit& other) {
+        return fmt::format(
+            "{}as they are named the IMU leaves {:.2g} m/s of the track's motion, so {:.2g} m/s",
+            outwards ? fmt::format("the force of turns is felt to the wrong side ({:.0f} %); ", 100.0 * felt) : std::string(),
+            fit.rms, other.rms);
+    };
+    // Gyros of opposite sign also mirror the axes: effects they explain equally well are attributed to them.
+    const double gyros =
+        std::ranges::min(gyros_turned_round(study, source), {}, [](const Trial& t) { return t.fit.rms; }).fit.rms;
+    const ReadingTrial one = best_of(one_reversed, study, source);
+    if ((!fits || mirrored) && std::ranges::none_of(given.columns, of_accel)) {
+        const ReadingTrial other = best_of(others, study, source);
+        if (shows_lag(other.fit) && other.fit.rms < well * other.fit.motion && other.fit.rms < clearly * fit.rms &&
+            other.fit.rms < better * one.fit.rms && other.fit.rms < better * gyros) {
+            read_as(study, *other.reading, why(other.fit));
+            return true;
+        }
     }
     // No vehicle rolls outwards in turns as much as it would roll inwards: the better fit then only has to identify the axis.
-    if (!shows_lag(best_fit) || best_fit.rms > clearly * best_fit.motion ||
-        best_fit.rms > (felt < to_the_wrong_side ? somewhat : clearly) * fit.rms)
+    if (!shows_lag(one.fit) || one.fit.rms > clearly * one.fit.motion ||
+        one.fit.rms > (outwards ? somewhat : clearly) * fit.rms || one.fit.rms > better * gyros)
         return false;
-    // Gyros of opposite sign also mirror the axes: effects they explain equally well are attributed to them.
-    constexpr double better = 0.85;
-    const std::vector<Trial> gyros = gyros_turned_round(study, source);
-    if (best_fit.rms > better * std::ranges::min(gyros, {}, [](const Trial& t) { return t.fit.rms; }).fit.rms) return false;
-    const char* name = accel_names[static_cast<std::size_t>(best)];
-    double unit = 1.0;
-    for (const UnitChange& change : study.imu_units)
-        if (change.key == "accel_m_s2") unit = change.factor / study.imu_file->plan.find(name)->factor;
-    for (double& v : study.imu_file->columns[name]) v = -v;
-    for (Eigen::Vector3d& f : study.imu.f) f(best) = -f(best);
-    const std::string why = fmt::format(
-        "{}with the sign of its column the IMU leaves {:.2g} m/s of the track's motion, turned round {:.2g} m/s",
-        felt < to_the_wrong_side ? fmt::format("the force of turns is felt to the wrong side ({:.0f} %); ", 100.0 * felt)
-                                 : std::string(),
-        fit.rms, best_fit.rms);
-    study.imu_units.push_back({name, -unit * study.imu_file->plan.find(name)->factor, "turned round", 0.9, why, false});
-    study.doubts.push_back(fmt::format("{}: accelerometer {} turned round: {}", study.imu_file->report.path, name[6], why));
-    study.problem(Level::Warning, study.doubts.back(), "check the sign of the column");
+    read_as(study, *one.reading, why(one.fit));
     return true;
 }
 

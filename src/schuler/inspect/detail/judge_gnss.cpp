@@ -4,6 +4,7 @@
 #include "schuler/core/units.h"
 #include "schuler/inspect/detail/robust.h"
 #include "schuler/io/text/fix_codes.h"
+#include "schuler/io/text/idle_velocities.h"
 
 #include <fmt/format.h>
 
@@ -179,16 +180,9 @@ void judge_idle_velocity(Study& study) {
     if (study.gnss_file == nullptr) return;
     LoadedFile& file = *study.gnss_file;
     constexpr std::array<const char*, 3> names{"vel_n_m_s", "vel_e_m_s", "vel_d_m_s"};
-    if (!file.has(names[0]) || !file.has(names[1]) || !file.has("lat_deg") || !file.has("lon_deg")) return;
-    for (const char* name : names)
-        if (file.has(name) && std::ranges::any_of(file[name], [](double v) { return v != 0.0 && std::isfinite(v); })) return;
-    const std::vector<double>&lat = file["lat_deg"], &lon = file["lon_deg"];
-    const double half = median(lat), scale = 6.371e6 * units::deg;
-    // Quantiles, because a receiver's first fixes may be far off.
-    const double north = scale * (quantile(lat, 0.95) - quantile(lat, 0.05)),
-                 east = scale * std::cos(half * units::deg) * (quantile(lon, 0.95) - quantile(lon, 0.05));
-    constexpr double travelled = 50.0;  // m
-    if (!(std::hypot(north, east) > travelled)) return;
+    if (!file.has(names[0]) || !file.has(names[1]) || !file.has("lat_deg") || !file.has("lon_deg") ||
+        !io::has_idle_velocities(gnss_fixes(file)))
+        return;
     for (const char* name : names) file.columns.erase(name);
     study.idle_velocity = true;
     file.problem(Level::Warning, "the velocities are always zero, although the positions travel",

@@ -59,22 +59,6 @@ std::vector<ImuSample> imu_samples(const LoadedFile& file, Duration shift) {
     return samples;
 }
 
-std::vector<GnssFix> gnss_fixes(const LoadedFile& file) {
-    std::vector<GnssFix> fixes;
-    for (std::size_t i = 0; i < file.time_ns.size(); ++i) {
-        GnssFix fix;
-        fix.time = Time{file.time_ns[i]};
-        const Eigen::Vector3d p = file.vector("lat_deg", "lon_deg", "height_m", i);
-        if (p.x() == 0.0 && p.y() == 0.0) continue;  // written by receivers before their first fix
-        fix.position = {p.x() * units::deg, p.y() * units::deg, p.z()};
-        fix.velocity_n = file.vector("vel_n_m_s", "vel_e_m_s", "vel_d_m_s", i);
-        if (!file.fix.empty()) fix.fix = file.fix[i];
-        fixes.push_back(fix);
-    }
-    std::stable_sort(fixes.begin(), fixes.end(), [](const GnssFix& a, const GnssFix& b) { return a.time < b.time; });
-    return fixes;
-}
-
 void check_overlap(Study& study) {
     const FileReport& imu = study.imu_file->report;
     const FileReport& gnss = study.gnss_file->report;
@@ -108,6 +92,22 @@ void check_overlap(Study& study) {
 }
 
 }  // namespace
+
+std::vector<GnssFix> gnss_fixes(const LoadedFile& file) {
+    std::vector<GnssFix> fixes;
+    for (std::size_t i = 0; i < file.time_ns.size(); ++i) {
+        GnssFix fix;
+        fix.time = Time{file.time_ns[i]};
+        const Eigen::Vector3d p = file.vector("lat_deg", "lon_deg", "height_m", i);
+        if (p.x() == 0.0 && p.y() == 0.0) continue;  // written by receivers before their first fix
+        fix.position = {p.x() * units::deg, p.y() * units::deg, p.z()};
+        fix.velocity_n = file.vector("vel_n_m_s", "vel_e_m_s", "vel_d_m_s", i);
+        if (!file.fix.empty()) fix.fix = file.fix[i];
+        fixes.push_back(fix);
+    }
+    std::stable_sort(fixes.begin(), fixes.end(), [](const GnssFix& a, const GnssFix& b) { return a.time < b.time; });
+    return fixes;
+}
 
 void judge_time(Study& study) {
     const LoadedFile* main = study.gnss_file != nullptr  ? study.gnss_file

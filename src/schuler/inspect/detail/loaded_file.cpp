@@ -238,8 +238,7 @@ void drop_lonely(LoadedFile& file) {
         rates.push_back(file.vector("gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s", i).cwiseAbs().maxCoeff());
         forces.push_back(file.vector("accel_x_m_s2", "accel_y_m_s2", "accel_z_m_s2", i).cwiseAbs().maxCoeff());
     }
-    const std::vector<std::size_t> lonely =
-        io::either_of(io::lonely_samples(rates, io::least_lonely_rate), io::lonely_samples(forces, io::least_lonely_force));
+    const std::vector<std::size_t> lonely = io::lonely_samples(rates, forces);
     if (lonely.empty()) return;
     erase_rows(file, lonely);
     file.problem(Level::Warning, fmt::format("{} single samples are far beyond all others", lonely.size()),

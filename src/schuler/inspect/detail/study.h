@@ -83,17 +83,17 @@ void judge_baro(Study& study);
 void judge_mag(Study& study);
 void judge_reference(Study& study);
 
+/// The rows of a GNSS log in order of time, without the zeros that receivers write before their first fix; rad, m, m/s.
+[[nodiscard]] std::vector<GnssFix> gnss_fixes(const LoadedFile& file);
 /// Removes velocities of a GNSS log that are always zero while it travels. Called before the series are formed.
 void judge_idle_velocity(Study& study);
 /// Exchanges latitude and longitude if the velocities show that they are swapped. Called before the series are formed.
 void judge_coordinates(Study& study);
 /// Reverses gyros whose signs are inconsistent with the accelerometers' axes, after the fit to the track. True if it did.
 bool judge_gyro_signs(Study& study);
-/// The same for accelerometers that are all reversed, or whose columns are exchanged; called before the single ones.
-bool judge_accel_columns(Study& study);
-/// Reverses one accelerometer if the lateral force in turns has the wrong sign, or no fit is possible, and the reversal resolves
-/// it: mirrored axes, which no reversal of gyros can correct. Same result; called before the gyros.
-bool judge_accel_signs(Study& study);
+/// Reverses one accelerometer or all, or exchanges their columns, if no fit is possible or the force of turns has the wrong sign, and that
+/// resolves it: mirrored axes, which no reversal of gyros can correct. Same result; called before the gyros.
+bool judge_accelerometers(Study& study);
 
 /// Fraction of the lateral acceleration in turns, speed times turn rate, that the unit measures as lateral force: 1 on wheels, 0
 /// for a vehicle that banks in turns. NaN if it hardly turns, or does not travel.

@@ -165,7 +165,7 @@ void study_motion(Study& study) {
     for (UnitChange& change : judge_gyro_unit(*study.imu_file, study.imu, study.overlap ? study.gnss : GnssSeries{}))
         study.imu_units.push_back(std::move(change));
     fit_track(study);
-    if (judge_accel_columns(study) || judge_accel_signs(study) || judge_gyro_signs(study)) fit_track(study);
+    if (judge_accelerometers(study) || judge_gyro_signs(study)) fit_track(study);
     take_out_drift(study);
     const GnssSeries none;
     const GnssSeries& gnss = study.overlap ? study.gnss : none;

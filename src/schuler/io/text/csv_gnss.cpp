@@ -4,7 +4,7 @@
 #include "schuler/io/text/csv_recording.h"
 #include "schuler/io/text/detail/position_columns.h"
 #include "schuler/io/text/fix_codes.h"
-#include "schuler/math/quantile.h"
+#include "schuler/io/text/idle_velocities.h"
 
 #include <fmt/format.h>
 
@@ -179,28 +179,6 @@ private:
 bool no_position(const Geodetic& p) {
     if (std::isnan(p.lat) && std::isnan(p.lon)) return true;
     return p.lat == 0.0 && p.lon == 0.0;  // written by receivers before their first fix
-}
-
-/// True if the log writes zeros as all its velocities although its positions travel.
-bool has_idle_velocities(const std::vector<GnssFix>& fixes) {
-    std::vector<double> lat, lon;
-    bool any = false;
-    for (const GnssFix& fix : fixes) {
-        for (const double v : fix.velocity_n) {
-            if (std::isfinite(v) && v != 0.0) return false;
-            any = any || v == 0.0;
-        }
-        lat.push_back(fix.position.lat);
-        lon.push_back(fix.position.lon);
-    }
-    if (!any) return false;
-    const double middle_lat = math::median(std::move(lat)), middle_lon = math::median(std::move(lon));
-    constexpr double radius = 6.371e6, travelled = 50.0;  // m
-    const auto away = std::ranges::count_if(fixes, [&](const GnssFix& fix) {
-        return radius * std::hypot(fix.position.lat - middle_lat, std::cos(middle_lat) * (fix.position.lon - middle_lon)) >
-               travelled;
-    });
-    return 10 * away > std::ssize(fixes);
 }
 
 }  // namespace

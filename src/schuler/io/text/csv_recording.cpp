@@ -70,8 +70,7 @@ void drop_lonely(std::vector<ImuSample>& samples, RowAudit& audit) {
         rates.push_back(s.gyro.cwiseAbs().maxCoeff());
         forces.push_back(s.accel.cwiseAbs().maxCoeff());
     }
-    const std::vector<std::size_t> lonely =
-        either_of(lonely_samples(rates, least_lonely_rate), lonely_samples(forces, least_lonely_force));
+    const std::vector<std::size_t> lonely = lonely_samples(rates, forces);
     if (lonely.empty()) return;
     for (const std::size_t i : lonely) samples[i].gyro.x() = not_given;
     std::erase_if(samples, [](const ImuSample& s) { return std::isnan(s.gyro.x()); });

@@ -6,7 +6,9 @@
 
 namespace schuler::io {
 
-std::vector<std::size_t> lonely_samples(const std::vector<double>& sizes, double least) {
+namespace {
+
+std::vector<std::size_t> lonely_of(const std::vector<double>& sizes, double least) {
     constexpr std::size_t enough = 100;
     constexpr double of_most = 20.0, of_neighbours = 10.0;
     std::vector<double> sorted;
@@ -26,10 +28,13 @@ std::vector<std::size_t> lonely_samples(const std::vector<double>& sizes, double
     return lonely;
 }
 
-std::vector<std::size_t> either_of(const std::vector<std::size_t>& a, const std::vector<std::size_t>& b) {
-    std::vector<std::size_t> both;
-    std::ranges::set_union(a, b, std::back_inserter(both));
-    return both;
+}  // namespace
+
+std::vector<std::size_t> lonely_samples(const std::vector<double>& rates, const std::vector<double>& forces) {
+    constexpr double rate = 100.0, force = 400.0;  // rad/s, m/s^2
+    std::vector<std::size_t> either;
+    std::ranges::set_union(lonely_of(rates, rate), lonely_of(forces, force), std::back_inserter(either));
+    return either;
 }
 
 }  // namespace schuler::io

@@ -77,10 +77,10 @@ Config config_from(const SettingList& settings) {
     // Scale and misalignment errors of a unit cause errors that grow with every turn, not represented by white noise.
     const sensor::ImuErrorModel& imu = config.filter.imu.errors;
     constexpr double telling_scale = 2e-4, telling_misalignment = 1e-3;
-    // In a precise unit smaller ones tell: where a radian of rotation, or 100 s of 1 m/s^2, errs by four times the random walk of 100 s.
-    constexpr double four = 4.0, span = 100.0, acceleration = 1.0;
-    const bool scale_tells = imu.accel_scale * acceleration * span > four * imu.accel_noise * std::sqrt(span),
-               misalignment_tells = imu.gyro_misalignment > four * imu.gyro_noise * std::sqrt(span);
+    // In a precise unit smaller ones tell: if 100 s of 1 m/s^2, or a radian of rotation, err by four times the random walk of 100 s.
+    constexpr double telling_ratio = 4.0, span = 100.0, acceleration = 1.0;
+    const bool scale_tells = imu.accel_scale * acceleration * span > telling_ratio * imu.accel_noise * std::sqrt(span),
+               misalignment_tells = imu.gyro_misalignment > telling_ratio * imu.gyro_noise * std::sqrt(span);
     config.scale_factors =
         config.scale_factors.value_or(std::max(imu.gyro_scale, imu.accel_scale) >= telling_scale || scale_tells);
     config.filter.scale_factors = *config.scale_factors;
