@@ -143,7 +143,13 @@ TEST(Hypotheses, TheSmootherKnowsWhoWasRight) {
     Drive d = drive(45);
     disturb(d, 0.0, 1e9, [](ImuSample& s) { s.gyro.z() += 1.0 * deg; });
     d.settings.smooth = true;
+    d.settings.output_rate = 7.0;  // outputs that are no whole intervals of the covariance
     const Result r = fuse(d.recording, d.settings);
+    for (std::size_t i = 0; i < r.smoothed.rows.size(); ++i)
+        for (int k = 0; k < 3; ++k) {
+            ASSERT_GT(r.smoothed.rows[i].std_position(k), 1e-4) << i;
+            ASSERT_GT(r.smoothed.rows[i].std_velocity(k), 1e-5) << i;
+        }
     const auto alert = std::ranges::find(r.alerts, IntegrityTest::Navigation, &Alert::test);
     ASSERT_NE(alert, r.alerts.end());
     const auto forward = errors(d.settings, r.forward.rows, d.recording),
