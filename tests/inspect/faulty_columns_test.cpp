@@ -45,7 +45,8 @@ TEST(FaultyColumns, OddGyroUnitIsNotSure) {
     car.imu_header = "time_s,gx,gy,gz,ax,ay,az";
     car.gyro_factor = 0.4;
     write_car(folder, car);
-    const Finding* unit = finding(inspect(folder), "imu.scale.gyro_rad_s");
+    const InspectReport r = inspect(folder);
+    const Finding* unit = finding(r, "imu.scale.gyro_rad_s");
     EXPECT_TRUE(unit == nullptr || unit->confidence < 0.9);
 }
 

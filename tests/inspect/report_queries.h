@@ -11,6 +11,11 @@
 
 namespace schuler::inspect::test {
 
+// The pointers below point into the report, which must therefore have a name.
+inline const Finding* finding(const InspectReport&&, const std::string&) = delete;
+inline const Fact* fact(const InspectReport&&, const std::string&) = delete;
+inline const FileReport* file_named(const InspectReport&&, const std::string&) = delete;
+
 inline const Finding* finding(const InspectReport& report, const std::string& key) {
     for (const Finding& f : report.findings) {
         if (f.key == key) return &f;
