@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
 """Random simulated logs, written as strangers write them, processed as bare folders and measured against the truth.
 
-    log_campaign.py --schuler build/bin/schuler -n 500 --seed 1 -o out/logs [--jobs N] [--quick] [--log INDEX --keep DIR]
+    log_campaign.py --schuler build/bin/schuler -n 500 --seed 1 -o out/logs [--jobs N] [--quick] [--antenna] [--log INDEX --keep DIR]
 
 Vehicle (car, air, ship, hand, static), motion, device grade, receiver (rate, latency, slow errors, sigmas stated wrong or not at all, with or
 without velocity), further sensors, axes, units, names of columns and scale of time are drawn from the seed; log k of a seed is the same
 however many there are. GNSS is withheld in windows of 10, 15 and 30 s. The program gets nothing but the folder.
 
 Shares of epochs inside three sigma: position (north, east and down), velocity likewise, heading; over the whole solution and in the withheld
-windows alone. A window is inside where north and east are at every epoch. Written to the folder: logs.csv, one row a log, and logs.md: means,
+windows alone. With --antenna the antenna is away from the unit, and three of five folders have a dataset.toml with the lever arm; in the others the
+solution is compared with the motion of the antenna, unless the program finds the lever arm. A window is inside where north and east are at every epoch. Written to the folder: logs.csv, one row a log, and logs.md: means,
 the worst logs with their properties, and which properties the failing logs have. `--log INDEX --keep DIR` writes one log for a closer look.
 """
 import argparse
@@ -19,7 +20,7 @@ from pathlib import Path
 
 from campaign.logs import Log
 from campaign.random_logs import draw
-from campaign.runs import Track, in_order, markdown, norm, position_error, process, rms, shown, simulate, wrapped, write_csv
+from campaign.runs import FIELDS, TILT, Track, in_order, markdown, norm, position_error, process, rms, shown, simulate, wrapped, write_csv
 from campaign.strangers import rewritten
 
 SIGMAS = 3.0
@@ -27,16 +28,25 @@ COVERED, LEAST = 0.97, 0.90          # what the mean, and every single log, is t
 HEADING_DEG = 10.0
 CALENDARS = (0.0, -315_964_800.0, -315_964_782.0, 315_964_800.0)   # the solution may count from 1970 or from 1980, with leap seconds or without
 GROUPS = ("vehicle", "path", "grade", "imu rate", "mounting", "axes", "receiver", "rate", "latency", "slow errors", "gnss velocity", "sigma", "sensors", "time",
-          "units", "columns", "length")
+          "units", "columns", "antenna", "length")
 
 
 def written(program, one, folder):
     """Simulates a log, rewrites it into folder/logs, and gives the truth."""
     simulate(program, one.scenario, folder / "simulated")
     log = Log.read(folder / "simulated")
-    truth = Track.read(folder / "simulated" / "reference.csv")
-    rewritten(log, one.style).write(folder / "logs")
+    truth = Track.read(folder / "simulated" / "reference.csv", FIELDS + TILT)
+    log = rewritten(log, one.style)
+    if one.told:
+        log.settings = f"[gnss]\nlever_arm_m = {list(one.lever_arm)}\n"
+    log.write(folder / "logs")
     return truth
+
+
+def motion_of(truth, one, outcome):
+    """That of the point to which the solution refers: the unit if its lever arm was told or found, otherwise the antenna."""
+    known = one.told or any(fact["key"] == "gnss.lever_arm_m" and fact["how"] == "found" for fact in outcome.summary.get("facts", []))
+    return truth if known or not any(one.lever_arm) else truth.at_point(one.lever_arm)
 
 
 def offset_of(track, one):
@@ -111,7 +121,7 @@ class Campaign:
         self.options, self.folder = options, folder
 
     def drawn(self, index):
-        return draw(self.options.seed, index, *((130.0, 200.0) if self.options.quick else (180.0, 1200.0)))
+        return draw(self.options.seed, index, *((130.0, 200.0) if self.options.quick else (180.0, 1200.0)), self.options.antenna)
 
     def row(self, index):
         """Everything about one log."""
@@ -120,7 +130,7 @@ class Campaign:
         truth = written(self.options.schuler, one, folder)
         outages = ",".join(f"{start}:{length}" for start, length in one.outages)
         outcome = process(self.options.schuler, folder / "logs", folder / "out", *(["--outage", outages] if outages else []))
-        row = {"log": one.seed, "moves": one.moves, **one.properties, **measured(one, outcome, truth)}
+        row = {"log": one.seed, "moves": one.moves, **one.properties, **measured(one, outcome, motion_of(truth, one, outcome))}
         row["failures"] = "; ".join(failures(row))
         return row
 
@@ -159,7 +169,7 @@ def worst(rows, count=25):
               f"{row['windows inside']}/{row['windows']}", f"{shown(row['end heading deg'])}, {shown(row['end heading sigma deg'])}", row["exit"],
               f"{row['vehicle']} ({row['path']}) {row['grade']} {row['imu rate']} Hz {row['mounting']} {row['axes']}; {row['receiver']} {row['rate']} Hz, late {row['latency']:g}/"
               f"{row['velocity latency']:g} s, velocity {row['gnss velocity']}, sigma {row['sigma']} ({row['sigma factor']:g}), slow {row['slow errors']}; {row['sensors']}; "
-              f"{row['time']}; {row['units']}; {row['duration']} s", row["failures"], row["said"][:100]] for row in ranked[:count]]
+              f"{row['time']}; {row['units']}; antenna {row['antenna']}; {row['duration']} s", row["failures"], row["said"][:100]] for row in ranked[:count]]
     return markdown(header, cells)
 
 
@@ -249,6 +259,7 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=1, help="runs at a time")
     parser.add_argument("--quick", action="store_true", help="a few short logs")
+    parser.add_argument("--antenna", action="store_true", help="the antenna is away from the unit")
     parser.add_argument("--log", type=int, help="only this log; with --keep it is written and not processed")
     parser.add_argument("--keep", type=Path, help="folder for the log named by --log")
     parser.add_argument("-o", "--output", type=Path, default=Path("out/logs"))

@@ -19,6 +19,8 @@ class Draw:
     outages: list
     duration: float
     moves: bool
+    lever_arm: tuple = (0.0, 0.0, 0.0)   # of the antenna, forward, right, down, m
+    told: bool = False                   # the folder has a dataset.toml that gives it
 
 
 def toml(section, pairs):
@@ -152,12 +154,24 @@ def further_sensors(dice):
     return " ".join(names) or "none", text
 
 
+# forward, right, down: least and most, m
+LEVER_ARMS = {"car": ((-1.5, 1.5), (-0.6, 0.6), (-1.8, -0.3)), "air": ((-1.0, 2.0), (-0.5, 0.5), (-1.0, -0.1)), "ship": ((-8.0, 8.0), (-3.0, 3.0), (-12.0, -2.0)),
+              "hand": ((-0.2, 0.2), (-0.2, 0.2), (-0.6, -0.1)), "static": ((-1.0, 1.0), (-1.0, 1.0), (-2.0, -0.1))}
+
+
+def lever_arm(seed, index, vehicle):
+    """A lever arm and whether the stranger says so; from numbers of its own, so that the rest of the log does not depend on it."""
+    dice = random.Random(f"{seed}/{index}/antenna")
+    arm = tuple(round(dice.uniform(*span), 2) for span in LEVER_ARMS[vehicle])
+    return arm, dice.random() < 0.6
+
+
 def stated_words(factor):
     return "missing" if factor == 0.0 else "right" if factor == 1.0 else "too small" if factor < 0.6 else "too large" if factor > 1.7 else "nearly right"
 
 
-def draw(seed, index, shortest=180.0, longest=1200.0):
-    """Log number `index` of a seed; it does not depend on the others."""
+def draw(seed, index, shortest=180.0, longest=1200.0, antenna=False):
+    """Log number `index` of a seed; it does not depend on the others. `antenna`: away from the unit."""
     dice = random.Random(f"{seed}/{index}")
     vehicle, grade = weighted(dice, VEHICLES), weighted(dice, GRADES)
     duration = round(dice.uniform(shortest, longest))
@@ -167,11 +181,16 @@ def draw(seed, index, shortest=180.0, longest=1200.0):
     sensors, sections = further_sensors(dice)
     rate, written = dice.choice([50, 100, 100, 200]), style(dice)
     outages = withheld(dice, duration)
+    arm, given = lever_arm(seed, index, vehicle) if antenna else ((0.0, 0.0, 0.0), False)
+    if antenna:
+        gnss["lever_arm_m"] = list(arm)
     properties = {"vehicle": vehicle, "path": path, "duration": duration, "grade": grade, "imu rate": rate, "mounting": words, "axes": written.axes, **told,
                   "gnss velocity": "yes" if written.velocity else "no", "sigma": stated_words(written.stated), "sigma factor": written.stated,
-                  "sensors": sensors, "time": written.time, "units": written.imu, "columns": written.gnss, "outages": len(outages)}
+                  "sensors": sensors, "time": written.time, "units": written.imu, "columns": written.gnss, "outages": len(outages),
+                  "antenna": ("told" if given else "not told") if antenna else "at the unit"}
     general = f'name = "log{index}"\nseed = {dice.randrange(1, 1_000_000)}\nduration_s = {duration}\nreference_rate_hz = 50\n'
     if vehicle == "hand":
         general += toml("vehicle", {"kind": quoted("hand")})
     scenario = general + toml("trajectory", trajectory) + toml("imu", {"rate_hz": rate, "kind": quoted("rates"), "grade": quoted(grade), "mounting_deg": angles})
-    return Draw(f"{seed}/{index}", properties, scenario + toml("gnss", gnss) + sections, written, outages, duration, vehicle != "static")
+    return Draw(f"{seed}/{index}", properties, scenario + toml("gnss", gnss) + sections, written, outages, duration, vehicle != "static",
+                arm, given)

@@ -14,6 +14,18 @@ FIELDS = ("time_s", "lat_deg", "lon_deg", "height_m", "vel_n_m_s", "vel_e_m_s", 
 SIGMAS = ("std_n_m", "std_e_m", "std_d_m", "std_vn_m_s", "std_ve_m_s", "std_vd_m_s", "std_heading_deg")
 
 
+TILT = ("roll_deg", "pitch_deg")
+
+
+def turned(arm, row):
+    """A lever arm (forward, right, down) as north, east, down."""
+    roll, pitch, heading = (math.radians(row[name]) for name in ("roll_deg", "pitch_deg", "heading_deg"))
+    x, y, z = arm
+    y, z = y * math.cos(roll) - z * math.sin(roll), y * math.sin(roll) + z * math.cos(roll)
+    x, z = x * math.cos(pitch) + z * math.sin(pitch), z * math.cos(pitch) - x * math.sin(pitch)
+    return x * math.cos(heading) - y * math.sin(heading), x * math.sin(heading) + y * math.cos(heading), z
+
+
 class Track:
     """Rows of a trajectory by their names; what a file does not have is not a number."""
 
@@ -30,6 +42,21 @@ class Track:
             blank = dict.fromkeys(names, math.nan)
             rows = [blank | {name: float(line[i]) if line[i] else math.nan for name, i in columns} for line in reader]
         return cls(rows)
+
+    def at_point(self, arm):
+        """The motion of another point of the body; velocities by differences over two rows."""
+        arms = [turned(arm, row) for row in self.rows]
+        rows = []
+        for i, row in enumerate(self.rows):
+            before, after = max(i - 1, 0), min(i + 1, len(arms) - 1)
+            step = self.times[after] - self.times[before]
+            north, east, down = arms[i]
+            radius = METRES_PER_DEGREE * (1.0 + row["height_m"] / 6.371e6)
+            moved = {"lat_deg": row["lat_deg"] + north / radius, "height_m": row["height_m"] - down,
+                     "lon_deg": row["lon_deg"] + east / (radius * math.cos(math.radians(row["lat_deg"])))}
+            moved |= {name: row[name] + (arms[after][k] - arms[before][k]) / step for k, name in enumerate(("vel_n_m_s", "vel_e_m_s", "vel_d_m_s"))}
+            rows.append(row | moved)
+        return Track(rows)
 
     def at(self, t, gap=1.5):
         """The row at a time, between its neighbours; None outside and in gaps."""

@@ -1,4 +1,4 @@
-// A lever arm that is given, judged by a simulated drive.
+// A lever arm that is given, or none, judged by a simulated drive.
 #include "schuler/solution/stated_check.h"
 
 #include "schuler/settings/config/config.h"
@@ -14,31 +14,54 @@ namespace {
 using Eigen::Vector3d;
 using namespace fusion::testing;
 
-/// What is doubted of a lever arm that is said of the drive, whose true one is (0.4, -0.2, -1.1) m.
-std::optional<LeverArmDoubt> doubt_of(const Vector3d& said) {
+struct Case {
+    Vector3d said = Vector3d::Zero(), true_b{0.4, -0.2, -1.1};  ///< m
+    bool given = true;
+    bool straight = false;
+};
+
+/// What is doubted of the lever arm of a drive.
+std::optional<LeverArmDoubt> doubt_of(const Case& c) {
     sim::Scenario scenario = town_drive(21, 2.0, 200.0);
+    scenario.gnss.lever_arm_b = c.true_b;
+    if (c.straight) scenario.path = sim::GreatCirclePath{{50.4 * deg, 30.5 * deg, 150.0}, 1.3, 8.0};
     const Recording recording = sim::simulate(scenario).recording;
     settings::Config config;
     config.filter = settings_of(scenario);
     give_start(config.filter, recording, 21);
-    config.filter.gnss.lever_arm_b = said;
+    if (c.straight) config.filter.initial.std_rpy.z() = 0.7;
+    config.filter.gnss.lever_arm_b = c.said;
     WarningLog warnings;
     LoadedDataset data = settled_dataset(recording, config, warnings);
-    data.given = {"gnss.lever_arm_m"};
+    if (c.given) data.given = {"gnss.lever_arm_m"};
     return doubt_of_lever_arm(data, fusion::run_filter(data.recording, data.config.filter, warnings));
 }
 
-TEST(StatedLeverArm, TheTrueOneIsNotDoubted) { EXPECT_FALSE(doubt_of({0.4, -0.2, -1.1})); }
+TEST(StatedLeverArm, TheTrueOneIsNotDoubted) { EXPECT_FALSE(doubt_of({.said = {0.4, -0.2, -1.1}})); }
 
 TEST(StatedLeverArm, AWrongOneIsRefutedAndFound) {
     for (const Vector3d& wrong : {Vector3d(3.4, -0.2, -1.1), Vector3d(0.4, 4.8, -1.1)}) {
-        const std::optional<LeverArmDoubt> doubt = doubt_of(wrong);
+        const std::optional<LeverArmDoubt> doubt = doubt_of({.said = wrong});
         ASSERT_TRUE(doubt);
         EXPECT_TRUE(doubt->refuted);
         EXPECT_LT((doubt->found_b - Vector3d(0.4, -0.2, -1.1)).head<2>().norm(), 0.3) << doubt->text();
         EXPECT_TRUE(doubt->settings.estimate_lever_arm);
     }
 }
+
+TEST(LeverArm, OfAnAntennaAsideIsFoundWhereNoneIsGiven) {
+    const std::optional<LeverArmDoubt> doubt = doubt_of({.true_b = {1.4, 0.9, -1.2}, .given = false});
+    ASSERT_TRUE(doubt);
+    EXPECT_TRUE(doubt->refuted && !doubt->given);
+    const Vector3d off = doubt->found_b - Vector3d(1.4, 0.9, -1.2);
+    for (int i = 0; i < 3; ++i) EXPECT_LT(std::abs(off(i)), 3.5 * doubt->std_b(i)) << doubt->text();
+    EXPECT_LT(off.head<2>().norm(), 0.3) << doubt->text();
+}
+
+TEST(LeverArm, OfAnAntennaAtTheUnitIsNotInvented) { EXPECT_FALSE(doubt_of({.true_b = Vector3d::Zero(), .given = false})); }
+
+/// Where the heading is unknown, no direction of the lever arm can be.
+TEST(LeverArm, IsNotJudgedByStraightMotion) { EXPECT_FALSE(doubt_of({.said = {0.4, 0.8, -1.1}, .straight = true})); }
 
 }  // namespace
 }  // namespace schuler::solution

@@ -86,7 +86,7 @@ bool check_itself(solution::ResultBundle& bundle, const fusion::RowSink& rows, W
     return widened;
 }
 
-/// Checks the given lever arm; true if the run was repeated with it as a state, and then `rows` has the rows of the solution.
+/// Checks the lever arm; true if the run was repeated with it as a state, and then `rows` has the rows of the solution.
 bool check_what_is_stated(solution::ResultBundle& bundle, const fusion::RowSink& rows, WarningLog& warnings) {
     const std::optional<solution::LeverArmDoubt> doubt = solution::doubt_of_lever_arm(bundle.data, bundle.result);
     if (!doubt) return false;
@@ -100,9 +100,10 @@ bool check_what_is_stated(solution::ResultBundle& bundle, const fusion::RowSink&
         WarningLog heard;
         solution::fuse_and_evaluate(bundle, heard, solution::internal_rate(bundle.data), {}, rows);
     }
-    warnings.add("contradiction.gnss.lever_arm_m", doubt->text());
+    warnings.add(doubt->given ? "contradiction.gnss.lever_arm_m" : "found.gnss.lever_arm_m", doubt->text());
     if (!doubt->refuted) return true;
     bundle.data.given.erase("gnss.lever_arm_m");
+    std::erase_if(bundle.data.facts, [](const Fact& f) { return f.key == "gnss.lever_arm_m"; });
     Fact& fact = bundle.data.facts.emplace_back();
     fact.key = "gnss.lever_arm_m";
     const Eigen::Vector3d& l = doubt->found_b;

@@ -116,6 +116,7 @@ HeadingSearch search_heading(const RunData& all, const Settings& settings, const
             // Repeated from the best result: its errors are small, so the linearised filter is judged where it is valid.
             Start refined = start;
             refined.nav = search.best.nav;
+            refined.at_antenna = false;
             refined.gyro_bias = search.best.gyro_bias;
             search.best = smooth_start(data, settings_of_trial, refined, last);
             search.decided = search.best.std_rpy.z() < clear;

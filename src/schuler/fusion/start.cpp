@@ -234,8 +234,9 @@ void set_position(Start& start, const RunData& data, const Settings& settings) {
         const Vector3d& slow = settings.gnss.errors.correlated_position;
         for (int i = 0; i < 3; ++i) {
             const double whole = std::max(noise.position(i), std::hypot(noise.white_position(i), slow(i)));
-            std_position(i) = whole + settings.gnss.lever_arm_b.norm() + start.std_velocity(i) * std::abs(lead);
+            std_position(i) = whole + start.std_velocity(i) * std::abs(lead);
         }
+        start.at_antenna = true;
         start.position_of_fix.setOnes();
         start.position_rate = start.nav.v_eb_n;
         if (!std::isfinite(fix->position.h)) {

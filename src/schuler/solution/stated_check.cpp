@@ -1,5 +1,6 @@
 #include "schuler/solution/stated_check.h"
 
+#include "schuler/core/units.h"
 #include "schuler/fusion/run_filter.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/solution/loaded_dataset.h"
@@ -16,6 +17,7 @@ using Eigen::Vector3d;
 
 struct Estimate {
     Vector3d value, std;
+    double heading_std = 0.0;  // rad
 };
 
 /// The lever arm at the end of a run with it as a state.
@@ -43,6 +45,7 @@ std::optional<Estimate> at_the_end(const LoadedDataset& data, fusion::Settings s
         e.value(i) = last.value[at];
         e.std(i) = last.std[at];
     }
+    e.heading_std = r.forward.rows.back().std_rpy.z();
     return e;
 }
 
@@ -51,39 +54,47 @@ std::string numbers(const Vector3d& v) { return fmt::format("[{:.2f}, {:.2f}, {:
 }  // namespace
 
 std::string LeverArmDoubt::text() const {
+    if (!given)
+        return fmt::format(
+            "gnss.lever_arm_m is not given; the fixes show that the antenna is {} +- {} m from the unit (forward, right, down), "
+            "which is used and is a state",
+            numbers(found_b), numbers(std_b));
     return fmt::format("the data contradict gnss.lever_arm_m: {} m is given; the fixes show {} +- {} m; {}", numbers(given_b),
                        numbers(found_b), numbers(std_b),
                        refuted ? "what they show is used, and is a state" : "the given one is used, and is a state");
 }
 
 std::optional<LeverArmDoubt> doubt_of_lever_arm(const LoadedDataset& data, const fusion::Result& result) {
-    if (!data.given.contains("gnss.lever_arm_m") || data.config.scheme != settings::Scheme::Loose || !result.findings.in_force ||
-        !data.config.run.self_check)
+    if (data.config.scheme != settings::Scheme::Loose || !result.findings.in_force || !data.config.run.self_check)
         return std::nullopt;
     LeverArmDoubt doubt;
     doubt.settings = *result.findings.in_force;
-    if (doubt.settings.estimate_lever_arm) return std::nullopt;
-    doubt.settings.estimate_lever_arm = true;
     doubt.given_b = doubt.settings.gnss.lever_arm_b;
+    doubt.given = data.given.contains("gnss.lever_arm_m");
+    if (doubt.settings.estimate_lever_arm || (!doubt.given && !doubt.given_b.isZero(0.0))) return std::nullopt;
+    doubt.settings.estimate_lever_arm = true;
+    // without tilt the down component is absorbed by the height of the unit; centimetres are within the receiver's errors
+    constexpr double least = 0.1, sure = 0.3;  // m
+    const auto beyond = [&](double sigmas, double metres) {
+        const Vector3d off = (doubt.found_b - doubt.given_b).cwiseAbs();
+        return ((off.array() > sigmas * doubt.std_b.array()) && (off.array() > metres)).any();
+    };
+    constexpr double centimetres = 0.05;  // m: latencies and the times of a receiver's averages act along the track likewise
     constexpr int walks = 3;
-    constexpr double settled = 0.5;  // m, half the initial sigma of the state
+    constexpr double settled = 0.5;             // m, half the initial sigma of the state
+    constexpr double known = 3.0 * units::deg;  // a lever arm turned by the error of the heading is another one
     for (int k = 0; k < walks; ++k) {
         fusion::Settings trial = doubt.settings;
         if (k > 0) trial.gnss.lever_arm_b = doubt.found_b;
         const std::optional<Estimate> e = at_the_end(data, trial);
-        if (!e || !e->value.allFinite() || e->value.norm() > 100.0) return std::nullopt;
+        if (!e || !e->value.allFinite() || e->value.norm() > 100.0 || !(e->heading_std < known)) return std::nullopt;
         doubt.found_b = e->value;
-        doubt.std_b = e->std.cwiseMax(0.02);
+        doubt.std_b = e->std.cwiseMax(centimetres);
+        if (!beyond(3.0, least)) return std::nullopt;
         if ((e->value - trial.gnss.lever_arm_b).cwiseAbs().maxCoeff() < settled) break;
     }
-    const Vector3d off = (doubt.found_b - doubt.given_b).cwiseAbs();
-    // without tilt the down component is absorbed by the height of the unit; centimetres are within the receiver's errors
-    constexpr double least = 0.1, sure = 0.3;  // m
-    const auto beyond = [&](double sigmas, double metres) {
-        return ((off.array() > sigmas * doubt.std_b.array()) && (off.array() > metres)).any();
-    };
-    if (!beyond(3.0, least)) return std::nullopt;
-    doubt.refuted = beyond(10.0, sure) && !data.config.run.keep_given;
+    doubt.refuted = doubt.given ? beyond(10.0, sure) && !data.config.run.keep_given : beyond(5.0, least);
+    if (!doubt.given && !doubt.refuted) return std::nullopt;
     if (doubt.refuted) doubt.settings.gnss.lever_arm_b = doubt.found_b;
     return doubt;
 }

@@ -1,4 +1,4 @@
-// Test of the given lever arm against the fixes after the vehicle has turned.
+// Test of the lever arm, given or not, against the fixes after the vehicle has turned.
 #pragma once
 
 #include "schuler/fusion/result.h"
@@ -9,17 +9,18 @@
 
 namespace schuler::solution {
 
-/// A discrepancy of three sigma or more between a given lever arm and the log.
+/// A discrepancy of three sigma or more between a given lever arm and the log, or five between none and the log.
 struct LeverArmDoubt {
     Eigen::Vector3d given_b = Eigen::Vector3d::Zero(), found_b = Eigen::Vector3d::Zero();  ///< m, forward-right-down
     Eigen::Vector3d std_b = Eigen::Vector3d::Zero();                                       ///< m, of the estimated lever arm
+    bool given = false;         ///< by the user; otherwise the antenna was taken to be at the unit
     bool refuted = false;       ///< beyond doubt: the estimated value is used
     fusion::Settings settings;  ///< for repeating the run with the lever arm as a state
     [[nodiscard]] std::string text() const;
 };
 
-/// Processes the log again with the lever arm as a state, and once more from the result if it moved far. Empty if no lever arm is
-/// given, if it is already a state, if the log agrees or does not observe it, or with filter.self_check off.
+/// Processes the log again with the lever arm as a state, and once more from the result if it moved far. Empty if it is already a
+/// state, if the log agrees or does not observe it (neither does it with an unknown heading), or with filter.self_check off.
 [[nodiscard]] std::optional<LeverArmDoubt> doubt_of_lever_arm(const LoadedDataset& data, const fusion::Result& result);
 
 }  // namespace schuler::solution

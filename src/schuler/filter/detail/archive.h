@@ -169,12 +169,12 @@ void archive(Archive& a, SamplePool<Sample>& pool) {
     a(pool.memory.order, pool.memory.free, pool.memory.uses, pool.memory.first);
 }
 
-SCHULER_ARCHIVED(GatheredMotion, time, distance, force, force2, acceleration, turn, turn2, v_g, p_g, gain_turn, gain_v_g,
-                 gain_p_g, gain_v_a, gain_p_a, gyro, accel)
+SCHULER_ARCHIVED(GatheredMotion, time, distance, force, force2, acceleration, rotation, turn, turn2, v_g, p_g, gain_turn,
+                 gain_v_g, gain_p_g, gain_v_a, gain_p_a, gyro, accel)
 SCHULER_ARCHIVED(StateProcess, decay, psd)
 SCHULER_ARCHIVED(Withheld, change, limit, covered, noise)
 SCHULER_ARCHIVED_IN_FRAME(InertialFilter, nav, parameters, error, P, gathered, used, C, previous, w_ib_b, mean_force,
-                          recent_force, antenna_moved, withheld, cached_time, cached_diagonal, cached_q, slot_process)
+                          recent_force, antenna_moved, arm_turned, withheld, cached_time, cached_diagonal, cached_q, slot_process)
 SCHULER_ARCHIVED(estim::Row, head, index, value, count)
 SCHULER_ARCHIVED(Measurement, dof, rows, innovation, variance)
 SCHULER_ARCHIVED(CarriedFix, measurement, corrected, rows, left, stamp, next, every)

@@ -1,5 +1,6 @@
 #include "schuler/filter/measurement/gnss.h"
 
+#include "schuler/filter/states/heading_force.h"
 #include "schuler/math/rotation.h"
 
 namespace schuler::filter {
@@ -49,13 +50,17 @@ Measurement gnss_velocity(const Estimate& e, const Vector3d& measured, const Vec
     const Vector3d w_eb_b = e.w_ib_b - e.C_nb.transpose() * w_ie_n;
     const Vector3d s_n = e.C_nb * w_eb_b.cross(l_b);
     const Vector3d difference = e.nav.v_eb_n + s_n - measured;
-    const Matrix3d by_attitude = skew(s_n);
+    Matrix3d by_attitude = skew(s_n);
+    by_attitude.col(2) =
+        for_heading(s_n, Vector3d::UnitZ(), e.heading_unknown * e.uncertain_rate * l_b.norm()).cross(Vector3d::UnitZ());
     const Matrix3d by_gyro_bias = e.C_nb * skew(l_b);
-    const Matrix3d by_lever_arm = e.C_nb * skew(w_eb_b);
+    const Matrix3d by_lever_arm = e.C_nb * skew(w_eb_b - withheld_part(w_eb_b, e.uncertain_rate));
     Measurement m;
     for (int axis = 0; axis < 3; ++axis) {
         if (!use[axis]) continue;
-        estim::Row& row = m.add(difference(axis), variance(axis));
+        // the rate at which the lever arm turns has the noise of the gyros
+        const double of_rate = e.rate_variance * by_gyro_bias.row(axis).squaredNorm();
+        estim::Row& row = m.add(difference(axis), variance(axis) + of_rate);
         velocity_of(row)(axis) = 1.0;
         attitude_of(row) = by_attitude.row(axis).transpose();
         row.add3(Layout::gyro_bias, by_gyro_bias.row(axis).transpose());

@@ -1,5 +1,6 @@
 #include "schuler/filter/measurement/range.h"
 
+#include "schuler/filter/states/heading_force.h"
 #include "schuler/gnss/satellite.h"
 #include "schuler/ins/error_model.h"
 #include "schuler/math/rotation.h"
@@ -11,12 +12,13 @@ using Eigen::Vector3d;
 using gnss::speed_of_light;
 
 AntennaEstimate antenna_of(const earth::Earth& earth, const NavState& nav, const Matrix3d& C_nb, const Vector3d& w_ib_b,
-                           const Vector3d& lever_arm_b) {
+                           const Vector3d& lever_arm_b, double uncertain_rate, double heading_unknown) {
     const earth::EarthTerms t = earth::terms_at(earth, nav.position, nav.v_eb_n);
     AntennaEstimate a;
     a.C_en = earth::C_en(nav.position.lat, nav.position.lon);
     a.l_n = C_nb * lever_arm_b;
     a.turning = C_nb * w_ib_b.cross(lever_arm_b);
+    a.for_heading = for_heading(a.turning, Vector3d::UnitZ(), heading_unknown * uncertain_rate * lever_arm_b.norm());
     a.w_ie_n = t.w_ie_n;
     a.v_n = nav.v_eb_n + a.turning - t.w_ie_n.cross(a.l_n);
     a.r_e = earth::ecef_from_geodetic(earth.ellipsoid, nav.position).r + a.C_en * a.l_n;
@@ -25,7 +27,7 @@ AntennaEstimate antenna_of(const earth::Earth& earth, const NavState& nav, const
     a.by_displacement = ins::level_rotation_by_displacement(t);
     a.gyro_lever = C_nb * math::skew(lever_arm_b);
     a.C_nb = C_nb;
-    a.lever_turn = C_nb * math::skew(w_ib_b);
+    a.lever_turn = C_nb * math::skew(w_ib_b - withheld_part(w_ib_b, uncertain_rate));
     a.w_ie = earth.ellipsoid.w_ie;
     return a;
 }
@@ -66,6 +68,7 @@ RangeRows range_rows(const AntennaEstimate& a, const Ecef& transmitter, const Ve
     m.rate_by_velocity = u / slower;
     m.rate_by_attitude =
         (u.cross(a.turning) - u.cross(a.w_ie_n).cross(a.l_n) + across.cross(a.l_n) + by_place.cross(a.l_n)) / slower;
+    m.rate_by_attitude.z() += u.cross(a.for_heading - a.turning).z() / slower;
     m.rate_by_gyro_bias = a.gyro_lever.transpose() * u / slower;
     m.range_by_lever_arm = a.C_nb.transpose() * u;
     m.rate_by_lever_arm = (a.lever_turn.transpose() * u + a.C_nb.transpose() * (across + by_place - u.cross(a.w_ie_n))) / slower;

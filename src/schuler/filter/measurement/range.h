@@ -16,16 +16,19 @@ struct AntennaEstimate {
     Eigen::Vector3d l_n;               ///< lever arm, m
     Eigen::Vector3d v_n;               ///< of the antenna, relative to the Earth, m/s
     Eigen::Vector3d turning;           ///< C_nb (w_ib_b x l_b), m/s: the part of v_n that rotates with the body's attitude
+    Eigen::Vector3d for_heading;       ///< the part of it from which heading is derived (heading_force.h)
     Eigen::Vector3d w_ie_n;            ///< rad/s
     Eigen::Matrix3d by_displacement;   ///< rotation of the local level per displacement, 1/m
     Eigen::Matrix3d gyro_lever;        ///< C_nb [l_b x], m
-    Eigen::Matrix3d C_nb, lever_turn;  ///< lever_turn: C_nb [w_ib_b x], rad/s
+    Eigen::Matrix3d C_nb, lever_turn;  ///< lever_turn: C_nb [w_ib_b x], rad/s, for the row of the lever arm
     double w_ie = 0.0;                 ///< rad/s
 };
 
-/// `w_ib_b` is the body's rate relative to inertial space, rad/s, less the estimated gyro errors.
+/// `w_ib_b` is the body's rate relative to inertial space, rad/s, less the estimated gyro errors; a rate up to `uncertain_rate` derives
+/// neither the lever arm nor, as far as it is `heading_unknown` (0 to 1), the heading from the velocity of the antenna.
 [[nodiscard]] AntennaEstimate antenna_of(const earth::Earth& earth, const NavState& nav, const Eigen::Matrix3d& C_nb,
-                                         const Eigen::Vector3d& w_ib_b, const Eigen::Vector3d& lever_arm_b);
+                                         const Eigen::Vector3d& w_ib_b, const Eigen::Vector3d& lever_arm_b,
+                                         double uncertain_rate = 0.0, double heading_unknown = 0.0);
 
 /// Computed values without clocks and delays, and their rows with respect to errors north, east, down (estimate minus truth). The
 /// change of the light time is neglected in the rows: 1e-6 of each entry.

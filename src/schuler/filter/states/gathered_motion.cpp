@@ -43,6 +43,7 @@ void GatheredMotion::reset() {
     force.setZero();
     force_twice.setZero();
     acceleration.setZero();
+    rotation.setZero();
     turn.setZero();
     turn_twice.setZero();
     velocity_by_gyro.setZero();

@@ -34,6 +34,7 @@ struct GatheredMotion {
     Eigen::Vector3d force = Eigen::Vector3d::Zero();         ///< integral of specific force, m/s
     Eigen::Vector3d force_twice = Eigen::Vector3d::Zero();   ///< its integral, m
     Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  ///< change of the computed velocity, m/s
+    Eigen::Matrix3d rotation = Eigen::Matrix3d::Zero();      ///< change of C, if the model has a lever arm
     Eigen::Matrix3d turn = Eigen::Matrix3d::Zero();          ///< integral of C: attitude by gyro bias, s
     Eigen::Matrix3d turn_twice = Eigen::Matrix3d::Zero();    ///< its integral, s^2
     Eigen::Matrix3d velocity_by_gyro = Eigen::Matrix3d::Zero();  ///< by gyro bias, m

@@ -16,15 +16,14 @@ constexpr double most = 0.5;
 /// rad, sigmas of the heading: below the first the products of two errors have no weight in hours, from the second on they have.
 constexpr double known = 0.035, unknown = 0.1;
 
-void shorten(Vector3d& v, double limit) {
-    if (const double size = v.norm(); size > limit) v *= limit / size;
-}
-
 }  // namespace
 
+double heading_unknown(double variance) {
+    return std::clamp((variance - known * known) / (unknown * unknown - known * known), 0.0, 1.0);
+}
+
 void Withheld::correct(const Vector3d& horizontal) {
-    change += horizontal;
-    shorten(change, limit);
+    change = withheld_part(change + horizontal, limit);
     covered = change.norm();
     noise = 0.0;
 }
@@ -35,17 +34,14 @@ HeadingForce heading_force(const Vector3d& change, const Withheld& before, const
     out.down = down;
     const double velocity_variance =
         std::max(0.0, velocity.trace() - down.dot(velocity * down) - before.noise);  // the noise must not raise its own bound
-    const double weight = (heading_variance - known * known) / (unknown * unknown - known * known);
     Withheld& w = out.withheld;
-    w.limit = std::min(most, bound * std::sqrt(velocity_variance)) * std::clamp(weight, 0.0, 1.0);
+    w.limit = std::min(most, bound * std::sqrt(velocity_variance)) * heading_unknown(heading_variance);
     // A limit that has become smaller brings up nothing of the past: that would not be an acceleration of now.
-    w.change = horizontal_part(before.change, down);
-    shorten(w.change, w.limit);
+    w.change = withheld_part(horizontal_part(before.change, down), w.limit);
     w.covered = std::min(before.covered, w.limit);
     w.noise = before.noise;
     const Vector3d sum = w.change + horizontal_part(change, down);
-    w.change = sum;
-    shorten(w.change, w.limit);
+    w.change = withheld_part(sum, w.limit);
     out.effective = sum - w.change;
     if (const double size = w.change.norm(); size > w.covered) {
         const Vector3d across = down.cross(w.change) / size;

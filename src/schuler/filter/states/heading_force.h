@@ -5,6 +5,8 @@
 // yields heading information that is not there, about one radian^-2 for each independent correction. What changes the velocity by no
 // more than the velocity's own uncertainty is therefore withheld from the column of the heading, and the error of doing so is
 // noise (the second-order term of Maybeck 1982, section 12.3). A real acceleration, however gentle, exceeds that bound in time.
+//
+// A lever arm has the same effect on a smaller scale: its computed turning consists of the errors of the gyros.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,6 +16,20 @@ namespace schuler::filter {
 /// The part of a vector that is perpendicular to the unit vector `down`.
 [[nodiscard]] inline Eigen::Vector3d horizontal_part(const Eigen::Vector3d& v, const Eigen::Vector3d& down) {
     return v - down.dot(v) * down;
+}
+
+/// 0 where the heading is known (products of two errors have no weight in hours), 1 where it is unknown; `variance`: rad^2.
+[[nodiscard]] double heading_unknown(double variance);
+
+/// The part of a vector that is withheld: all of it up to `limit`.
+[[nodiscard]] inline Eigen::Vector3d withheld_part(const Eigen::Vector3d& v, double limit) {
+    const double size = v.norm();
+    return size > limit ? Eigen::Vector3d(v * (limit / size)) : v;
+}
+
+/// What remains for the column of the heading; `down`: unit vector.
+[[nodiscard]] inline Eigen::Vector3d for_heading(const Eigen::Vector3d& v, const Eigen::Vector3d& down, double limit) {
+    return v - withheld_part(horizontal_part(v, down), limit);
 }
 
 /// What has been withheld so far; in the axes of the frame.

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace schuler::filter {
 
@@ -110,8 +111,10 @@ void InertialFilter<Frame>::propagate(const InertialModel& model, const ImuIncre
     } else {
         set_nav(Frame::step(model.earth, nav, motion));
     }
+    const Vector3d rate = inc.dtheta / dt;
+    w_ib_b = rate;
+    if (previous.dt > 0.0) w_ib_b += (rate - previous.dtheta / previous.dt) * (dt / (dt + previous.dt));
     previous = inc;
-    w_ib_b = inc.dtheta / dt;
     recent_force =
         recent_force.isZero(0.0) ? Vector3d(df / dt) : Vector3d(recent_force + (df - dt * recent_force) / (force_memory + dt));
     double gyro_psd = model.gyro_psd + bridge.gyro_psd, accel_psd = model.accel_psd + bridge.accel_psd;
@@ -121,8 +124,9 @@ void InertialFilter<Frame>::propagate(const InertialModel& model, const ImuIncre
         accel_psd += more.accel_psd;
     }
     const Vector3d effective = bridge.standing ? vertical_part(model, df, dt) : df;
-    gathered.add(model.layout, dt, 0.5 * (C0 + C), effective, w_ib_b, inc.dv / dt, gyro_psd, accel_psd);
+    gathered.add(model.layout, dt, 0.5 * (C0 + C), effective, rate, inc.dv / dt, gyro_psd, accel_psd);
     gathered.acceleration += Frame::velocity(nav) - velocity0 - (df - effective);
+    if (model.eccentric()) gathered.rotation += C - C0;
 }
 
 template <class Frame>
@@ -167,11 +171,33 @@ Vector3d InertialFilter<Frame>::down_axis(const InertialModel& model) const {
 }
 
 template <class Frame>
-Vector3d InertialFilter<Frame>::antenna(const InertialModel& model) const {
+Vector3d InertialFilter<Frame>::lever_arm(const InertialModel& model) const {
     const int state = model.layout.lever_arm;
-    Vector3d l_b = model.lever_arm_b;
-    if (state >= 0) l_b = parameters.segment<3>(state) - error.segment<3>(state);
-    return math::dcm_from_rotation_vector(error.segment<3>(Layout::attitude)) * (C * l_b);
+    return state < 0 ? model.lever_arm_b : Vector3d(parameters.segment<3>(state) - error.segment<3>(state));
+}
+
+template <class Frame>
+double InertialFilter<Frame>::rate_variance(const InertialModel& model) const {
+    const double dt = previous.dt;
+    if (!(dt > 0.0)) return 0.0;
+    constexpr double extrapolated = 2.5;  // noise of one and a half intervals less half of the one before
+    constexpr double averaged = 0.005;    // s: a receiver's velocity is a mean over some time, its stamp rounded
+    const int latency = model.layout.gnss_velocity_latency >= 0 ? model.layout.gnss_velocity_latency : model.layout.gnss_latency;
+    const double late = averaged * averaged + (latency < 0 ? 0.0 : P(latency, latency));
+    const Vector3d angular_acceleration = (w_ib_b - previous.dtheta / dt) / (0.5 * dt);
+    return extrapolated * model.gyro_psd / dt + late * angular_acceleration.squaredNorm();
+}
+
+template <class Frame>
+double InertialFilter<Frame>::uncertain_rate(double rate_variance) const {
+    constexpr double bound = 2.0;  // one sigma
+    return bound * std::sqrt(P.block<3, 3>(Layout::gyro_bias, Layout::gyro_bias).trace() + 3.0 * rate_variance);
+}
+
+template <class Frame>
+double InertialFilter<Frame>::heading_variance(const InertialModel& model) const {
+    const Vector3d down = down_axis(model);
+    return down.dot(P.block<3, 3>(Layout::attitude, Layout::attitude) * down);
 }
 
 template <class Frame>
@@ -201,12 +227,28 @@ void InertialFilter<Frame>::fill_transition(const InertialModel& model, const He
         phi.rows.col(Layout::velocity + i).template segment<3>(Layout::attitude) += column(i) * force.down;
         phi.rows.col(Layout::position + i).template segment<3>(Layout::attitude) += 0.5 * gathered.time * column(i) * force.down;
     }
-    const Matrix3d of_antenna = math::skew(antenna_moved);
-    for (int i = 0; i < 3; ++i)
-        phi.rows.col(Layout::position + i).template segment<3>(Layout::attitude) += of_antenna.row(i).transpose();
+    if (model.eccentric()) withhold_lever_arm(model, force.down, phi);
     if (model.layout.gravity_constant >= 0)
         fill_disturbance(model.disturbance, model.layout, gathered.time, gathered.distance, disturbance_axes(model), phi);
     gathered.add_earth(Frame::dynamics(model.earth, nav, Vector3d::Zero()), phi);
+}
+
+template <class Frame>
+void InertialFilter<Frame>::withhold_lever_arm(const InertialModel& model, const Vector3d& down, estim::Transition& phi) const {
+    constexpr int p = Layout::position;
+    const Matrix3d of_antenna = math::skew(antenna_moved);
+    // The error of withholding a turn, heading times uncertain rate times arm, is small against that of the inertial velocity.
+    const double angle = uncertain_rate(gathered.gyro_variance / (gathered.time * gathered.time)) * gathered.time;
+    const Vector3d l_b = lever_arm(model), moved = horizontal_part(gathered.rotation * l_b, down);
+    const double limit = heading_unknown(heading_variance(model)) * angle * l_b.norm();
+    const Vector3d turned = down.cross(withheld_part(moved, limit));
+    for (int i = 0; i < 3; ++i)
+        phi.rows.col(p + i).template segment<3>(Layout::attitude) += of_antenna.row(i).transpose() + turned(i) * down;
+    const int own = model.layout.lever_arm;
+    if (own < 0) return;
+    const double turn = gathered.rotation.norm() / std::numbers::sqrt2;
+    const Matrix3d of_arm = arm_turned - (turn > angle ? angle / turn : 1.0) * gathered.rotation;
+    for (int i = 0; i < 3; ++i) phi.rows.col(p + i).template segment<3>(own) += of_arm.row(i).transpose();
 }
 
 template <class Frame>
@@ -241,6 +283,7 @@ bool InertialFilter<Frame>::propagate_covariance(const InertialModel& model, est
     P.block<3, 3>(Layout::velocity, Layout::velocity) += force.velocity_noise;
     withheld = force.withheld;
     antenna_moved.setZero();
+    arm_turned.setZero();
     P.diagonal().head(used) += cached_q.head(used);
     if (L.clock >= 0) {
         const double cross = 0.5 * model.drift_psd * T * T;
@@ -308,15 +351,18 @@ Eigen::Vector3d InertialFilter<Frame>::sigma_apart(const InertialModel& model, c
 template <class Frame>
 void InertialFilter<Frame>::apply(const InertialModel& model, const StateVector& dx) {
     withheld.correct(-horizontal_part(dx.segment<3>(Layout::velocity), down_axis(model)));
-    const bool eccentric = model.layout.lever_arm >= 0 || !model.lever_arm_b.isZero(0.0);
-    if (eccentric) antenna_moved += antenna(model);
+    const auto attitude = [&] { return Matrix3d(math::dcm_from_rotation_vector(error.segment<3>(Layout::attitude)) * C); };
+    const Matrix3d before = model.eccentric() ? attitude() : Matrix3d::Zero();
+    if (model.eccentric()) antenna_moved += before * lever_arm(model);
     if (model.loop == Loop::Closed) {
         set_nav(Frame::corrected(model.earth, nav, dx.head<9>()));
         parameters.tail(dx.size() - 9) -= dx.tail(dx.size() - 9);
     } else {
         error += dx;
     }
-    if (eccentric) antenna_moved -= antenna(model);
+    if (!model.eccentric()) return;
+    antenna_moved -= attitude() * lever_arm(model);
+    if (model.layout.lever_arm >= 0) arm_turned += before - attitude();
 }
 
 template <class Frame>
@@ -379,6 +425,11 @@ Estimate InertialFilter<Frame>::estimate(const InertialModel& model) const {
     if (Frame::errors_are_geographic && fed_back) e.C_nb = C;
     else e.C_nb = e.nav.q_nb.toRotationMatrix();
     e.w_ib_b = w_ib_b;
+    if (model.eccentric()) {
+        e.rate_variance = rate_variance(model);
+        e.uncertain_rate = uncertain_rate(e.rate_variance);
+    }
+    e.heading_unknown = heading_unknown(heading_variance(model));
     const Vector3d force_n = Frame::errors_are_geographic
                                  ? recent_force
                                  : Vector3d(earth::C_en(e.nav.position.lat, e.nav.position.lon).transpose() * recent_force);

@@ -54,6 +54,7 @@ struct InertialModel {
     InertialModel(const earth::Earth& earth_, const Layout& layout_, const sensor::ImuErrorModel& imu);
     /// Sets the process of `count` states starting at an offset; no effect if the offset is negative.
     void set_process(int offset, int count, StateProcess process_);
+    [[nodiscard]] bool eccentric() const { return layout.lever_arm >= 0 || !lever_arm_b.isZero(0.0); }
 };
 
 /// Additional noise of a step over bridged data (IMU gap), added to the densities of the model.
@@ -78,15 +79,16 @@ struct InertialFilter {
 
     Eigen::Matrix3d C = Eigen::Matrix3d::Identity();                                   ///< body to frame, of nav
     ImuIncrement previous{{}, 0.0, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};  ///< corrected for the sensor errors
-    Eigen::Vector3d w_ib_b = Eigen::Vector3d::Zero();                                  ///< corrected rate of the last step, rad/s
+    Eigen::Vector3d w_ib_b = Eigen::Vector3d::Zero();      ///< corrected rate at the end of the last step, rad/s
     Eigen::Vector3d mean_force = Eigen::Vector3d::Zero();  ///< specific force over the last interval, frame axes, m/s^2
     Eigen::Vector3d recent_force =
         Eigen::Vector3d::Zero();  ///< the same as an exponential mean over force_memory, independent of the intervals
     /// m, frame axes: by which corrections of the attitude have moved the antenna about the unit since the last propagation. The fixes
     /// give the antenna; the covariance keeps what is known of it, so that a correction of the heading is no information on it.
     Eigen::Vector3d antenna_moved = Eigen::Vector3d::Zero();
-    Withheld withheld;          ///< from the column of the heading
-    double cached_time = -1.0;  ///< of decay and noise below, s
+    Eigen::Matrix3d arm_turned = Eigen::Matrix3d::Zero();  ///< the same of the row of the lever arm, if it is a state
+    Withheld withheld;                                     ///< from the column of the heading
+    double cached_time = -1.0;                             ///< of decay and noise below, s
     StateVector cached_diagonal, cached_q;
     std::array<StateProcess, Layout::slots> slot_process{};  ///< of the source block, whose states are reassigned
 
@@ -110,6 +112,15 @@ struct InertialFilter {
     /// Covariance of position, velocity and attitude at the time of the nominal state, local level. If motion has been gathered
     /// since the last propagation, only that block is propagated: for outputs.
     [[nodiscard]] Matrix9 local_covariance(const InertialModel& model) const;
+
+    [[nodiscard]] Eigen::Vector3d lever_arm(const InertialModel& model) const;  ///< of the antenna by the estimate, body axes, m
+
+    /// Variance of an axis of w_ib_b as the rate at the time of a receiver's velocity, rad^2/s^2: white noise, and the change within
+    /// the uncertainty of that time.
+    [[nodiscard]] double rate_variance(const InertialModel& model) const;
+    /// Two sigma of a rate of this variance, rad/s: the motion of a lever arm at a lower one tells nothing.
+    [[nodiscard]] double uncertain_rate(double rate_variance) const;
+    [[nodiscard]] double heading_variance(const InertialModel& model) const;  ///< rad^2
 
     // The following functions require the covariance at the time of the nominal state.
 
@@ -173,8 +184,9 @@ private:
     /// Rows and gravity disturbance of the transition over the gathered motion; D and shears of phi are those of the other states.
     void fill_transition(const InertialModel& model, const HeadingForce& force, estim::Transition& phi) const;
     [[nodiscard]] Eigen::Vector3d down_axis(const InertialModel& model) const;
-    /// Lever arm of the antenna by the estimate, frame axes, m.
-    [[nodiscard]] Eigen::Vector3d antenna(const InertialModel& model) const;
+    /// Refers the covariance to the antenna: corrections of the attitude, and turns within the gyros' errors, tell neither the heading
+    /// nor the lever arm.
+    void withhold_lever_arm(const InertialModel& model, const Eigen::Vector3d& down, estim::Transition& phi) const;
     /// What the gathered motion says about the heading.
     [[nodiscard]] HeadingForce force_for_heading(const InertialModel& model) const;
     /// Nominal gravity disturbance and `gathered.distance` after dt at the current velocity.
@@ -188,16 +200,31 @@ private:
     [[nodiscard]] Eigen::Matrix3d disturbance_axes(const InertialModel& model) const;
 };
 
+/// Adds to P (position, velocity, attitude, local level) the effect of an attitude error of covariance `turn` on a position that
+/// was derived from that of the antenna; `turn` itself is in P already. l_n: lever arm, m.
+inline void turn_about_antenna(const Eigen::Vector3d& l_n, const Eigen::Matrix3d& turn, Matrix9& P) {
+    const Eigen::Matrix3d S = math::skew(l_n), cross = S * turn;
+    P.block<3, 3>(Layout::position, Layout::position) += cross * S.transpose();
+    P.block<3, 3>(Layout::position, Layout::attitude) -= cross;
+    P.block<3, 3>(Layout::attitude, Layout::position) -= cross.transpose();
+}
+
 /// Reported covariance of position, velocity and attitude, local level: the filter's, the `undecided` hypotheses, the leeway of a
-/// ship whose heading is known by its course only, and the uncertainty of an estimated mounting about the vehicle's right and down axes.
+/// ship whose heading is known by its course only, the uncertainty of an estimated mounting about the vehicle's right and down axes, and
+/// that of an estimated lever arm.
 template <class Frame>
 [[nodiscard]] Matrix9 reported_covariance(const InertialModel& model, const InertialFilter<Frame>& f, const Matrix9& undecided) {
     Matrix9 P = f.local_covariance(model) + undecided;
-    P(Layout::attitude + 2, Layout::attitude + 2) += model.leeway_std * model.leeway_std;
-    if (!(model.found_mounting_std > 0.0)) return P;
-    const Eigen::Matrix<double, 3, 2> across =
-        model.found_mounting_std * f.geographic(model).q_nb.toRotationMatrix().template rightCols<2>();
-    P.template block<3, 3>(Layout::attitude, Layout::attitude) += across * across.transpose();
+    // The estimate of a lever arm contains what is not modelled along the track: latencies, the times of a receiver's averages.
+    constexpr double of_lever_arm = 0.05;  // m
+    if (model.layout.lever_arm >= 0) P.template topLeftCorner<3, 3>().diagonal().array() += of_lever_arm * of_lever_arm;
+    if (!(model.found_mounting_std > 0.0 || model.leeway_std > 0.0)) return P;
+    const Eigen::Matrix3d C_nb = f.geographic(model).q_nb.toRotationMatrix();
+    const Eigen::Matrix<double, 3, 2> across = model.found_mounting_std * C_nb.template rightCols<2>();
+    Eigen::Matrix3d more = across * across.transpose();
+    more(2, 2) += model.leeway_std * model.leeway_std;
+    P.template block<3, 3>(Layout::attitude, Layout::attitude) += more;
+    if (model.eccentric()) turn_about_antenna(C_nb * f.lever_arm(model), more, P);
     return P;
 }
 

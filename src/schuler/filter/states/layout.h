@@ -34,9 +34,9 @@ public:
     int gravity_random = -1;         ///< 3, m/s^2, random part
     int gravity_slope = -1;          ///< 3, per metre (or second) along the track: of the random part, or of a polynomial
     int gravity_curvature = -1;      ///< 3, second derivative of the same
+    int lever_arm = -1;              ///< 3, m, body
     int mounting = -1;               ///< 2: pitch and yaw of the vehicle's forward axis in body axes, rad
     int axle = -1;                   ///< 1, m, distance of the IMU ahead of the unsteered axle
-    int lever_arm = -1;              ///< 3, m, body
     int baro_bias = -1;              ///< 1, m
     int mag_bias = -1;               ///< 1, rad, heading offset of the magnetometer
     int gnss_position = -1;          ///< 3, m, correlated GNSS position error, north-east-down
@@ -71,7 +71,8 @@ public:
     [[nodiscard]] bool fits() const { return fits_; }
 
     [[nodiscard]] std::span<const LayoutBlock> blocks() const { return {blocks_.data(), count_}; }
-    /// Leading states that act on position, velocity and attitude during a step: these three, the inertial sensor errors, gravity.
+    /// Leading states that act on position, velocity and attitude during a step: these three, the inertial sensor errors, gravity;
+    /// and the lever arm (InertialFilter::fill_transition).
     [[nodiscard]] int driven() const;
     /// Number of states in use without any slot of the source block.
     [[nodiscard]] int without_slots() const { return source < 0 ? size : source; }

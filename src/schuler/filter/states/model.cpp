@@ -38,12 +38,12 @@ Layout layout_with(const Settings& settings, const Sensors& sensors) {
         L.gyro_misalignment = L.add("gyro_misalignment", "rad", 6);
         L.accel_misalignment = L.add("accel_misalignment", "rad", 6);
     }
+    if (settings.estimate_lever_arm) L.lever_arm = L.add("lever_arm", "m", 3);
     if (settings.disturbance.estimate) add_disturbance(settings.disturbance.model, L);
     if (settings.aids.nonholonomic || settings.aids.nonholonomic_auto) {
         L.mounting = L.add("mounting", "rad", 2);
         L.axle = L.add("axle", "m", 1);
     }
-    if (settings.estimate_lever_arm) L.lever_arm = L.add("lever_arm", "m", 3);
     if (sensors.baro && settings.baro.use) L.baro_bias = L.add("baro_bias", "m", 1);
     if (sensors.mag && settings.mag.use) L.mag_bias = L.add("mag_heading_offset", "rad", 1);
     if (sensors.odometer && settings.odometer.use) L.odometer_scale = L.add("odometer_scale", "1", 1);
@@ -224,6 +224,22 @@ public:
         f_.P.template topLeftCorner<9, 9>() += sigma * sigma * T_.col(state) * T_.col(state).transpose();
     }
 
+    /// The position so far is that of the antenna: the unit's is that less the lever arm, with the errors of both. l_n: lever arm, m.
+    void leave_antenna(const Vector3d& l_n, const Eigen::Matrix3d& C_nb) {
+        const Eigen::Matrix<double, 9, 3> by_position = T_.template leftCols<3>();
+        const Matrix9 to_local_level = T_.inverse();
+        const Eigen::Matrix<double, 3, 9> attitude = to_local_level.template bottomRows<3>();
+        const Eigen::Index n = f_.P.rows();
+        Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, estim::max_states> of_arm = math::skew(l_n) * attitude * f_.P.topRows(9);
+        if (L_.lever_arm >= 0) of_arm += C_nb * f_.P.middleRows(L_.lever_arm, 3);
+        Eigen::Matrix3d both = of_arm.leftCols(9) * attitude.transpose() * math::skew(l_n).transpose();
+        if (L_.lever_arm >= 0) both += of_arm.middleCols(L_.lever_arm, 3) * C_nb.transpose();
+        const Eigen::Matrix<double, 9, Eigen::Dynamic, 0, 9, estim::max_states> change = by_position * of_arm;
+        f_.P.topRows(9) -= change.leftCols(n);
+        f_.P.leftCols(9) -= change.transpose();
+        f_.P.template topLeftCorner<9, 9>() += by_position * both * by_position.transpose();
+    }
+
     /// Variance of a navigation state, local level.
     [[nodiscard]] double variance(int state) const { return P_n_(state, state); }
 
@@ -319,7 +335,9 @@ void set_out(FilterRun<Frame>& run, const InertialModel& model, const Settings& 
     run.rival = std::move(rival);
     InertialFilter<Frame>& f = run.filter;
     f = InertialFilter<Frame>(model);
-    f.set_nav(Frame::from_geographic(model.earth, start.nav));
+    NavState nav = start.nav;
+    if (start.at_antenna) nav.position = earth::moved_by_ned(model.earth, nav.position, nav.q_nb * -model.lever_arm_b);
+    f.set_nav(Frame::from_geographic(model.earth, nav));
     f.previous = start.previous;
     f.recent_force = start_force<Frame>(model, start);
     f.parameters.template segment<3>(Layout::gyro_bias) = start.gyro_bias;
@@ -342,7 +360,7 @@ void set_out(FilterRun<Frame>& run, const InertialModel& model, const Settings& 
         f.parameters.template segment<3>(L.lever_arm) = settings.gnss.lever_arm_b;
         P.set(L.lever_arm, 3, 1.0);
     }
-    P.baro(baro_height, settings.baro, start.nav);
+    P.baro(baro_height, settings.baro, nav);
     P.shown_heading(L.mag_bias, settings.mag.bias_std, start.heading_of_mag);
     P.set(L.odometer_scale, 1, settings.odometer.scale_std);
     P.shown_heading(L.heading_offset, settings.heading.offset_std, start.heading_of_sensor);
@@ -360,6 +378,8 @@ void set_out(FilterRun<Frame>& run, const InertialModel& model, const Settings& 
         for (int i = 0; i < 3; ++i)
             if (start.position_of_fix(i) > 0.0) P.loosen(Layout::position + i, roomy * start.std_position(i));
     }
+    if (start.at_antenna && model.eccentric())
+        P.leave_antenna(start.nav.q_nb * model.lever_arm_b, start.nav.q_nb.toRotationMatrix());
     run.ranges.watch.on = L.clock >= 0 && settings.ranging.protection.use;
 
     // An uncorrected gravity disturbance acts like an accelerometer error.

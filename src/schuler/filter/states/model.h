@@ -8,6 +8,7 @@ namespace schuler::filter {
 /// Initial state of a run and its uncertainty.
 struct Start {
     NavState nav;
+    bool at_antenna = false;                     ///< the position is that of the antenna: the filter begins at the IMU
     Eigen::Vector3d std_position, std_velocity;  ///< NED
     Eigen::Vector3d std_rpy;                     ///< rad, mapped to the attitude error by its Jacobian
     Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero(), accel_bias = Eigen::Vector3d::Zero();

@@ -334,11 +334,9 @@ Start StartUp::start_with(const Quaterniond& q_nb, const Vector3d& std_rpy) cons
         start.nav.position = given.position;
     } else {
         const double lead = (m.now - m.position_time).seconds();
-        const Vector3d lever_n = start.nav.q_nb * s.gnss.lever_arm_b;
-        start.nav.position = earth::moved_by_ned(s.earth, m.position, start.nav.v_eb_n * lead - lever_n);
-        std_position = m.std_position +
-                       2.0 * s.gnss.lever_arm_b.norm() * std::min(1.0, start.std_rpy.maxCoeff()) * Vector3d::Ones() +
-                       start.std_velocity * std::abs(lead);
+        start.nav.position = earth::moved_by_ned(s.earth, m.position, start.nav.v_eb_n * lead);
+        start.at_antenna = true;
+        std_position = m.std_position + start.std_velocity * std::abs(lead);
         start.position_of_fix.setOnes();
         if (!m.has_height) {
             std_position.z() = 1000.0;

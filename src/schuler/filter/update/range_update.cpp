@@ -91,7 +91,8 @@ AntennaEstimate RangeUpdate<Frame>::antenna(const InertialFilter<Frame>& f, cons
     const auto nominal = [&](int i) { return f.parameters(i) - f.error(i) - dx(i); };
     const Vector3d lever_arm =
         L.lever_arm < 0 ? lever_arm_b_ : Vector3d(nominal(L.lever_arm), nominal(L.lever_arm + 1), nominal(L.lever_arm + 2));
-    return antenna_of(turning, nav, nav.q_nb.toRotationMatrix(), way * w_ib_b, lever_arm);
+    return antenna_of(turning, nav, nav.q_nb.toRotationMatrix(), way * w_ib_b, lever_arm,
+                      f.uncertain_rate(f.rate_variance(model_)), heading_unknown(f.heading_variance(model_)));
 }
 
 template <class Frame>
