@@ -387,6 +387,7 @@ InspectReport inspect(const std::filesystem::path& path, const Given& given) {
     report_lacking(study);
     detail::judge_idle_velocity(study);
     detail::judge_coordinates(study);
+    detail::judge_velocity(study);
     detail::judge_time(study);
     detail::judge_clock_steps(study);
     const bool compared = study.overlap;

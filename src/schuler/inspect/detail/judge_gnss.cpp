@@ -198,6 +198,10 @@ void judge_gnss(Study& study) {
         study.draft.set("gnss", "use_velocity", false, "sure: " + why, true, Known::Found);
         study.doubts.push_back(fmt::format("{}: {}; they are not used", study.gnss_file->report.path, why));
     }
+    if (!study.velocity_left_out.empty()) {
+        study.draft.set("gnss", "use_velocity", false, "sure: " + study.velocity_left_out, true, Known::Found);
+        study.doubts.push_back(fmt::format("{}: {}; they are not used", study.gnss_file->report.path, study.velocity_left_out));
+    }
     judge_fix(study);
     judge_sigma(study);
     judge_height(study);

@@ -204,6 +204,7 @@ std::vector<UnitChange> judge_units(LoadedFile& file) {
     judge_accel(file, changes);
     judge_mag(file, changes);
     judge_position(file, changes);
+    if (file.table == io::TableKind::Gnss) judge_receiver_integers(file, changes);
     return changes;
 }
 
