@@ -2,6 +2,7 @@
 
 #include "schuler/core/error.h"
 #include "schuler/dataset/raw_observations.h"
+#include "schuler/io/text/columns.h"
 
 #include <fmt/format.h>
 
@@ -68,6 +69,30 @@ std::vector<std::string> doubts_of(const inspect::InspectReport& report) {
     return doubts;
 }
 
+/// Tables beside raw measurements that are of no use as they are, and could be the log of an IMU: the solution is that of the
+/// satellites alone, which nobody asked for.
+std::vector<std::string> unused_tables(const inspect::InspectReport& report) {
+    std::vector<std::string> doubts;
+    for (const inspect::FileReport& file : report.files) {
+        const auto inertial = [](const std::string& name) {
+            const std::vector<std::string> words = io::words_of_name(name);
+            return std::ranges::any_of(words, [](const std::string& w) {
+                return w.starts_with("acc") || w.starts_with("gyr") || w == "imu" || w == "omega" || w == "ins";
+            });
+        };
+        const bool table = !file.resembles.empty() || std::ranges::any_of(file.columns, inertial) ||
+                           (file.columns.size() >= 4 && inertial(fs::path(file.path).filename().string()));
+        const bool damaged = file.rows == 0 && file.contents.empty() && file.kind == "unknown" &&
+                             std::ranges::any_of(file.problems, [](const auto& p) { return p.level == inspect::Level::Error; });
+        if (file.chosen || file.kind != "unknown" || !(table || damaged) || file.problems.empty()) continue;
+        const auto worst = std::ranges::max_element(file.problems, {}, &inspect::Problem::level);
+        doubts.push_back(
+            fmt::format("no IMU log was recognised: the solution is that of the satellites alone; {} is not used: {}{}{}",
+                        file.path, worst->text, worst->hint.empty() ? "" : "; ", worst->hint));
+    }
+    return doubts;
+}
+
 }  // namespace
 
 void add_raw_observations(const fs::path& path, const inspect::Given& given, inspect::InspectReport& report) {
@@ -115,6 +140,7 @@ Recognised recognise(const fs::path& path, Needs needs, const inspect::Given& gi
         if (!raw.facts.empty()) {
             r.facts = std::move(raw.facts);
             r.dataset_toml = std::move(raw.dataset_toml);
+            r.doubts = unused_tables(r.report);
             return r;
         }
     }

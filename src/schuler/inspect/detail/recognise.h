@@ -15,6 +15,9 @@ void recognise_and_read(LoadedFile& file);
 /// Reads the rows of a table with a known plan into the file; problems of rows are reported, not thrown.
 void read_table(LoadedFile& file, const io::TableLayout& layout);
 
+/// The fixes in the table of an IMU, as a log of their own; empty if it has none.
+[[nodiscard]] std::optional<LoadedFile> fixes_beside(const LoadedFile& imu);
+
 /// How a file was recognised and its columns interpreted, one line each.
 [[nodiscard]] std::vector<std::string> explained_columns(const LoadedFile& file);
 

@@ -283,6 +283,37 @@ std::vector<std::string> canonical_names(TableKind kind) {
     return names;
 }
 
+/// Latitudes beyond 90 whose minutes stay below 60 in every row, with such longitudes: degrees and minutes.
+static void find_degrees_minutes(ColumnPlan& plan, const TableLayout& layout, const ColumnOverrides& overrides) {
+    constexpr double quarter = 90.0, hundred = 100.0, sixty = 60.0;
+    std::array<ColumnMatch*, 2> found{};
+    for (ColumnMatch& match : plan.matches) {
+        if (match.canonical == "lat_deg") found[0] = &match;
+        if (match.canonical == "lon_deg") found[1] = &match;
+    }
+    if (found[0] == nullptr || found[1] == nullptr || overrides.scale.contains("lat_deg") || overrides.scale.contains("lon_deg"))
+        return;
+    std::size_t rows = 0;
+    double lowest = quarter * hundred;
+    for (const std::vector<std::string>& row : layout.sample) {
+        for (std::size_t i = 0; i < 2; ++i) {
+            const auto column = static_cast<std::size_t>(found[i]->column);
+            const double value = column < row.size() ? std::abs(detail::angle_with_hemisphere(row[column])) : not_given;
+            if (std::isnan(value)) continue;
+            if (value >= (i == 0 ? 1.0 : 2.0) * quarter * hundred + hundred || std::fmod(value, hundred) >= sixty) return;
+            if (i == 1 || value == 0.0) continue;
+            lowest = std::min(lowest, value);
+            ++rows;
+        }
+    }
+    if (rows == 0 || lowest <= quarter) return;
+    for (ColumnMatch* match : found) {
+        match->degrees_minutes = true;
+        match->unit_stated = true;
+        match->factor = 1.0;
+    }
+}
+
 ColumnPlan match_columns(const TableLayout& layout, TableKind kind, const ColumnOverrides& overrides) {
     ColumnPlan plan;
     plan.kind = kind;
@@ -314,6 +345,7 @@ ColumnPlan match_columns(const TableLayout& layout, TableKind kind, const Column
         match.unit_stated = true;
     }
     detail::find_companions(plan, layout);
+    if (kind == TableKind::Gnss || kind == TableKind::Reference) find_degrees_minutes(plan, layout, overrides);
     for (std::size_t i = 0; i < layout.names.size(); ++i) {
         const int column = static_cast<int>(i);
         const bool used =
@@ -323,8 +355,7 @@ ColumnPlan match_columns(const TableLayout& layout, TableKind kind, const Column
     return plan;
 }
 
-/// Columns named as the estimate of a filter, or truth: not those of a receiver.
-static bool is_estimate(std::string_view name) {
+bool is_estimate(std::string_view name) {
     const std::vector<std::string> words = words_of_name(name);
     static constexpr std::string_view sources[] = {"onboard",   "ahrs",   "ekf",   "est",  "estimate", "estimated",
                                                    "autopilot", "filter", "truth", "true", "ref",      "reference"};
@@ -383,6 +414,12 @@ std::optional<TableKind> guess_table_kind(const TableLayout& layout) {
         attitude =
             !commanded(reference, "qw") && is_rotation(layout, {reference.find("qw")->column, reference.find("qx")->column,
                                                                 reference.find("qy")->column, reference.find("qz")->column});
+    // The derivative of an acceleration is computed, as in the motion file of a simulator, whose accelerations do not show gravity.
+    const bool computed = std::ranges::any_of(layout.names, [](const std::string& name) {
+        const std::vector<std::string> words = words_of_name(name);
+        return std::ranges::find(words, "jerk") != words.end();
+    });
+    if (computed) return std::nullopt;
     if (complete(TableKind::Imu,
                  {"time_s", "gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s", "accel_x_m_s2", "accel_y_m_s2", "accel_z_m_s2"}) ||
         complete(TableKind::Imu,
