@@ -99,6 +99,11 @@ TEST_F(ForeignTables, DegreesAndMinutes) {
     const GnssTable south = read_gnss_csv(TextInput::memory(text, "gnss.csv"), {}, log);
     EXPECT_NEAR(south.fixes[0].position.lat, -(33.0 + 52.0 / 60.0) * units::deg, 1e-12);
     EXPECT_NEAR(south.fixes[0].position.lon, -(151.0 + 12.5 / 60.0) * units::deg, 1e-12);
+    // a longitude under the latitude's name
+    text = "time_s,latitude,longitude,height\n0,139.71,35.62,10\n1,139.71,35.62,10\n";
+    EXPECT_NE(
+        test::message_of([&] { (void)read_gnss_csv(TextInput::memory(text, "gnss.csv"), {}, log); }).find("latitude of 139"),
+        std::string::npos);
     // minutes beyond 60: something else
     text = "time_s,latitude,longitude,height\n0,4875.1,1130.5,500\n1,4875.2,1130.6,500\n";
     EXPECT_NE(

@@ -283,9 +283,10 @@ std::vector<std::string> canonical_names(TableKind kind) {
     return names;
 }
 
-/// Latitudes beyond 90 whose minutes stay below 60 in every row, with such longitudes: degrees and minutes.
+/// Latitudes beyond 360, as which no longitude can be exchanged, whose minutes stay below 60 in every row, with such longitudes:
+/// degrees and minutes. Within four degrees of the equator they do not show.
 static void find_degrees_minutes(ColumnPlan& plan, const TableLayout& layout, const ColumnOverrides& overrides) {
-    constexpr double quarter = 90.0, hundred = 100.0, sixty = 60.0;
+    constexpr double quarter = 90.0, circle = 360.0, hundred = 100.0, sixty = 60.0;
     std::array<ColumnMatch*, 2> found{};
     for (ColumnMatch& match : plan.matches) {
         if (match.canonical == "lat_deg") found[0] = &match;
@@ -306,7 +307,7 @@ static void find_degrees_minutes(ColumnPlan& plan, const TableLayout& layout, co
             ++rows;
         }
     }
-    if (rows == 0 || lowest <= quarter) return;
+    if (rows == 0 || lowest <= circle) return;
     for (ColumnMatch* match : found) {
         match->degrees_minutes = true;
         match->unit_stated = true;
