@@ -115,6 +115,14 @@ TEST(Strangers, OtherInstrumentsInTheTableAreTold) {
     EXPECT_TRUE(has_problem(r, Level::Info, "an odometer's, which are not used: wheel_speed_m_s"));
     EXPECT_TRUE(has_problem(r, Level::Info, "look like headings, which are not used: yaw_deg"));
     EXPECT_TRUE(r.doubts.empty());
+    // as the hint says: named for the magnetometer, the table is that of the IMU all the same
+    Given given;
+    given.keys = {"mag.file"};
+    given.mag.path = folder / "imu.csv";
+    given.mag.name = "imu.csv";
+    const InspectReport both = inspect(folder, given);
+    EXPECT_TRUE(sets(both, "imu.file = \"imu.csv\"")) << both.dataset_toml;
+    EXPECT_NEAR(number_of(both, "mag.norm"), 45.3, 0.1);
 }
 
 TEST(Strangers, SerialDatesAreRefusedWithTheirName) {

@@ -117,6 +117,12 @@ TEST_F(ForeignTables, TablesOfMavlinkHaveTheirUnits) {
         text += fmt::format("{:.2f},{},10,{},-1000,100,0,-50,200,0,400\n", 1.7e9 + 0.02 * i, 1'000'000 + 20'000 * i, i % 7);
     const auto path = write("RAW_IMU.csv", text);
     EXPECT_EQ(guess_table_kind(inspect_table(TextInput(path))), TableKind::Imu);
+    EXPECT_TRUE(match_columns(inspect_table(TextInput(path)), TableKind::Imu).find("gyro_x_rad_s")->unit_stated);
+    TableLayout stated;
+    stated.names = {"xacc [m/s^2]", "yacc (mG)"};
+    stated.columns = stated.data_columns = 2;
+    EXPECT_NEAR(match_columns(stated, TableKind::Imu).find("accel_x_m_s2")->factor, 1.0, 1e-12);
+    EXPECT_NEAR(match_columns(stated, TableKind::Imu).find("accel_y_m_s2")->factor, units::mg, 1e-12);
     WarningLog log;
     const ImuTable imu = read_imu_csv(TextInput(path), {}, log);
     ASSERT_EQ(imu.samples.size(), 20U);

@@ -16,6 +16,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// A trajectory, in a frame of its own or on the Earth, in place of the log of an IMU.
+void refuse_trajectory(const fs::path& folder, const inspect::InspectReport& report) {
+    const auto trajectory = std::ranges::find_if(report.files, [](const inspect::FileReport& file) {
+        return file.kind == "trajectory" || file.kind == "reference" || file.kind == "kfgins_reference";
+    });
+    if (trajectory == report.files.end()) return;
+    throw input_error("is a trajectory (attitude and position), no log of an IMU",
+                      {(folder / trajectory->path).string(), 0, 0, {}},
+                      "give the log of the IMU itself: angular rates and accelerations");
+}
+
 /// No log of this kind was recognised: reports the most informative finding about a candidate file.
 [[noreturn]] void throw_missing(const fs::path& path, const inspect::InspectReport& report, std::string_view kind) {
     std::error_code ec;
@@ -33,11 +44,7 @@ namespace fs = std::filesystem;
                           "put the log itself there, or name it in a dataset.toml");
     }
     const bool imu = kind == "imu";
-    const auto trajectory = std::ranges::find(report.files, "trajectory", &inspect::FileReport::kind);
-    if (imu && trajectory != report.files.end())
-        throw input_error("is a trajectory (attitude and position), no log of an IMU",
-                          {(folder / trajectory->path).string(), 0, 0, {}},
-                          "give the log of the IMU itself: angular rates and accelerations");
+    if (imu) refuse_trajectory(folder, report);
     throw input_error(fmt::format("no {} log was recognised in it", imu ? "IMU" : "GNSS"), {path.string(), 0, 0, {}},
                       imu ? "name the columns time_s, gyro_x_rad_s, ..., accel_x_m_s2, ..., or map them in a dataset.toml"
                           : "give the folder that holds both logs, or a dataset.toml with [initial] to navigate without GNSS");
@@ -155,6 +162,8 @@ Recognised recognise(const fs::path& path, Needs needs, const inspect::Given& gi
                 throw input_error(error->text, {(fs::is_directory(path, ec) ? path / only.path : path).string(), 0, 0, {}},
                                   error->hint);
         }
+        std::error_code ec;
+        refuse_trajectory(fs::is_directory(path, ec) ? path : path.parent_path(), r.report);
         for (const auto& problem : r.report.problems) {
             if (problem.level != inspect::Level::Error) continue;
             why = problem.text;

@@ -322,7 +322,8 @@ void load_files(const fs::path& path, Study& study) {
                                                             {kind, {file->columns, file->scale, {}}, {}, file->time_offset}));
             continue;
         }
-        std::erase_if(others, [&](const fs::path& p) { return fs::equivalent(p, file->path, failure); });
+        if (!detail::is_table_of_another(file->path, kind))
+            std::erase_if(others, [&](const fs::path& p) { return fs::equivalent(p, file->path, failure); });
         detail::ReadAs as{kind, {file->columns, file->scale, {}}, {}, file->time_offset};
         if (kind == io::TableKind::Gnss) as.fix_codes = given.fix_codes;
         study.files.push_back(detail::load_file(file->path, file->name, as));

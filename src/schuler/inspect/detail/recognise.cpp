@@ -353,6 +353,18 @@ std::optional<LoadedFile> fixes_beside(const LoadedFile& imu) {
     return fixes;
 }
 
+bool is_table_of_another(const std::filesystem::path& path, io::TableKind named) {
+    if (named != io::TableKind::Mag && named != io::TableKind::Baro) return false;
+    try {
+        const io::Format* format = io::format_of(path);
+        if (format == nullptr || format->read != nullptr) return false;
+        const std::optional<io::TableKind> own = io::guess_table_kind(io::inspect_table(io::TextInput(path)));
+        return own == io::TableKind::Imu || own == io::TableKind::Gnss;
+    } catch (const Error&) {
+        return false;  // the reader of its role reports it
+    }
+}
+
 void recognise_and_read(LoadedFile& file) {
     io::check_regular_file(file.path);
     const io::FileHead head(file.path);

@@ -331,6 +331,7 @@ std::vector<UnitChange> judge_gyro_unit(LoadedFile& file, ImuSeries& imu, const 
     const double in_file = factor * name_factor(file, first);
     const char* name = std::abs(in_file - units::deg) < 1e-6                  ? (increments ? "deg" : "deg/s")
                        : std::abs(in_file - 1.0) < 1e-9                       ? (increments ? "rad" : "rad/s")
+                       : std::abs(in_file - 1e-3) < 1e-9                      ? (increments ? "mrad" : "mrad/s")
                        : std::abs(in_file / (1e-3 * units::deg) - 1.0) < 1e-6 ? (increments ? "mdeg" : "mdeg/s")
                                                                               : "other";
     if (stated(file, first)) {

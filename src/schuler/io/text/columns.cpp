@@ -48,6 +48,14 @@ std::optional<UnitFactor> factor_of(const Quantity& quantity, const std::string&
     return factor;
 }
 
+/// Applies the sign that a name implies, and its unit where none is stated.
+void apply_implied(const Quantity& quantity, ColumnMatch& match) {
+    const double implied = match.unit_stated ? std::copysign(1.0, quantity.sign) : quantity.sign;
+    match.factor *= implied;
+    match.offset *= implied;
+    if (std::abs(quantity.sign) != 1.0) match.unit_stated = true;
+}
+
 /// Codes after "fix" belong to the name (fix_rtk1fix_2float_5single, fix_3is3d).
 bool is_fix_with_codes(const Quantity& quantity, const Words& words) {
     return quantity.canonical == "fix" && words.size() > 1 && words[0] == "fix" && words[1] != "time" && words[1] != "age";
@@ -164,8 +172,7 @@ std::optional<Candidate> best_for(const Quantity& quantity, const TableLayout& l
             apply_unit(quantity, joined(words_of_name(layout.units[i]), 0, words_of_name(layout.units[i]).size()), c->match);
         if (quantity.dimension == Dimension::Time && !c->match.unit_stated)
             c->match.time_unit = unit_by_size(layout, column, kind == TableKind::Gnss || kind == TableKind::Reference);
-        c->match.factor *= quantity.sign;
-        c->match.offset *= quantity.sign;
+        apply_implied(quantity, c->match);
         c->match.column = column;
         c->match.file_name = layout.names[i];
         // Fixes held at the rate of another instrument repeat their own time rightly.
@@ -212,7 +219,7 @@ ColumnMatch given_match(const TableLayout& layout, TableKind kind, const std::st
         if (q.canonical != canonical) continue;
         if (auto c = recognise(q, words)) {
             match = c->match;
-            match.factor *= q.sign;
+            apply_implied(q, match);
             recognised = true;
             break;
         }
