@@ -285,6 +285,41 @@ TEST(VelocityColumns, HeightsInFeet) {
     expect_car(r);
 }
 
+/// A receiver that stays, with a jump of its positions now and then: the jumps are no motion that the velocities would have to show.
+TEST(VelocityColumns, JumpsOfTheTrackAreNoMotion) {
+    const auto folder = fresh_folder("velocity_jumps");
+    std::mt19937 random(5);
+    std::normal_distribution<double> normal;
+    std::string text = full_names + "\n";
+    double off = 0.0;
+    for (int i = 0; i < 3000; ++i) {
+        if (i % 100 == 99) off = 30.0 * normal(random);
+        const double n = off + 0.05 * normal(random), e = 0.05 * normal(random), v = 0.03 * normal(random);
+        text += fmt::format("{:.1f},{:.9f},{:.9f},300.00,{:.3f},{:.3f},0.010\n", 1000.0 + 0.2 * i, 45.0 + n / 111131.7,
+                            7.0 + e / 78846.8, v, -v);
+    }
+    write_file(folder / "gnss.csv", text);
+    const InspectReport r = inspect(folder);
+    EXPECT_EQ(fact(r, "gnss.use_velocity"), nullptr);
+    EXPECT_EQ(fact(r, "gnss.scale"), nullptr);
+}
+
+/// It hovers and climbs: the vertical shows the unit of all three.
+TEST(VelocityColumns, AHoveringVehicleShowsTheUnitInTheVertical) {
+    const auto folder = fresh_folder("velocity_hover");
+    std::mt19937 random(6);
+    std::normal_distribution<double> normal;
+    std::string text = short_names + "\n";
+    for (int i = 0; i < 1500; ++i) {
+        const double t = 0.2 * i, h = 300.0 + 8.0 * std::sin(0.15 * t) + 0.03 * normal(random), d = -1.2 * std::cos(0.15 * t);
+        text += fmt::format("{:.1f},{:.9f},{:.9f},{:.3f},{:.3f},{:.3f},{:.3f}\n", 1000.0 + t, 45.0 + 1e-7 * normal(random),
+                            7.0 + 1e-7 * normal(random), h, 0.1 * normal(random), 0.1 * normal(random), 3.6 * d);
+    }
+    write_file(folder / "gnss.csv", text);
+    const InspectReport r = inspect(folder);
+    for (const char* key : {"vel_n_m_s", "vel_e_m_s", "vel_d_m_s"}) EXPECT_NEAR(scale_of(r, key), 1.0 / 3.6, 1e-9) << key;
+}
+
 /// A car at rest: positions wander, velocities are noise; nothing can be said.
 TEST(VelocityColumns, AtRestNothingIsSaid) {
     CarLog car;

@@ -31,6 +31,8 @@ struct LengthUnit {
 };
 constexpr std::array<LengthUnit, 3> length_units{{{"mm", 1e-3}, {"cm", 1e-2}, {"ft", 0.3048}}};
 
+constexpr int fewest_intervals = 10;
+
 /// Half the distance between the two nearest units, ft/s and km/h.
 constexpr double near_unit = 0.045;
 
@@ -148,11 +150,16 @@ void judge_vertical(Study& study, const VelocityColumns& seen, const Reading& ho
             return;
         }
         if (unit == nullptr || unit->factor == 1.0) {
-            file.problem(Level::Warning, "the heights do not move as the vertical velocity says: " + why,
-                         "check the units of both columns: [gnss] scale");
+            study.doubts.push_back(
+                fmt::format("{}: the heights do not move as the vertical velocity says: {}", file.report.path, why));
+            file.problem(Level::Warning, study.doubts.back(), "check the units of both columns: [gnss] scale");
             return;
         }
-        vertical.factor[2] = unit->factor / std::abs(factor_now(study, "vel_d_m_s"));
+        // One solution has one unit: a vehicle that hovers shows it in the vertical only.
+        const double now = std::abs(factor_now(study, velocity_names[2]));
+        for (std::size_t i = 0; i < 3; ++i)
+            if (i == 2 || (seen.intervals < fewest_intervals && std::abs(factor_now(study, velocity_names[i])) == now))
+                vertical.factor[i] = unit->factor / now;
         vertical.unit = unit->name;
     } else if (!turned) {
         return;
@@ -161,8 +168,8 @@ void judge_vertical(Study& study, const VelocityColumns& seen, const Reading& ho
     const std::string text =
         fmt::format("the vertical velocity {}{}{}: {}", file.plan.find(name)->file_name, turned ? " has the opposite sign" : "",
                     vertical.unit.empty() ? std::string() : fmt::format(" is in {}", vertical.unit), why);
-    if (file.as.overrides.scale.contains(name) || file.as.overrides.columns.contains(name)) {
-        study.contradicts(file.as.overrides.scale.contains(name) ? "gnss.scale" : "gnss.columns", text);
+    if (given_scale(file) || given_column(file)) {
+        study.contradicts(given_scale(file) ? "gnss.scale" : "gnss.columns", text);
         return;
     }
     if (vertical.unit.empty()) vertical.unit = horizontal.unit;
@@ -192,9 +199,8 @@ void judge_velocity(Study& study) {
     if (!file.has("vel_n_m_s") || !file.has("vel_e_m_s") || !file.has("lat_deg") || !file.has("lon_deg")) return;
     const bool down = file.has("vel_d_m_s");
     const VelocityColumns seen = velocity_columns(gnss_fixes(file), down);
-    constexpr int fewest = 10;
     Reading reading;
-    if (seen.intervals >= fewest) {
+    if (seen.intervals >= fewest_intervals) {
         // Relative squared misfits: a wrong order or unit leaves most of the motion, noise and delays little of it.
         constexpr double well = 0.1, clearly = 0.3, least = 0.005, sigmas = 6.0, most_left = 0.5;
         constexpr double other = 0.08, tolerated = 0.15;  // of the factor: one unit from another, and of no unit at all

@@ -23,6 +23,7 @@ struct Epoch {
 /// One interval: displacement, integral and change of the velocity, in the order of the columns.
 struct Interval {
     double dt = 0.0;
+    std::size_t first = 0, last = 0;  // of the epochs
     Eigen::Vector3d moved = Eigen::Vector3d::Zero(), integral = Eigen::Vector3d::Zero(), change = Eigen::Vector3d::Zero();
 };
 
@@ -77,8 +78,8 @@ void each_interval(const std::vector<Epoch>& epochs, double step, const Ends& en
     for (std::size_t k = 1; k < epochs.size(); ++k) {
         const double dt = epochs[k].t - epochs[k - 1].t;
         integral += 0.5 * dt * (epochs[k].v + epochs[k - 1].v);
-        Interval i{epochs[k].t - epochs[first].t, earth::ned_difference(earth, epochs[k].p, epochs[first].p), integral,
-                   epochs[k].v - epochs[first].v};
+        const Eigen::Vector3d moved = earth::ned_difference(earth, epochs[k].p, epochs[first].p);
+        const Interval i{epochs[k].t - epochs[first].t, first, k, moved, integral, epochs[k].v - epochs[first].v};
         const bool broken = dt > 3.0 * step || i.moved.head<2>().norm() > jump * i.dt || !i.integral.allFinite();
         if (!broken && !ends(i)) continue;
         if (!broken) take(i);
@@ -87,15 +88,33 @@ void each_interval(const std::vector<Epoch>& epochs, double step, const Ends& en
     }
 }
 
+/// True if no quarter of the time has most of the way, as a jump of the positions of a vehicle that stays has.
+bool is_steady(const std::vector<Epoch>& epochs, const Interval& i) {
+    const earth::Earth earth;
+    constexpr double most = 0.6, quarters = 4.0;
+    const Eigen::Vector2d way = i.moved.head<2>();
+    double before = 0.0;
+    std::size_t k = i.first;
+    for (double quarter = 1.0; quarter <= quarters; ++quarter) {
+        const double stop = epochs[i.first].t + quarter / quarters * i.dt;
+        while (k < i.last && epochs[k + 1].t <= stop + 1e-6) ++k;
+        const Eigen::Vector2d so_far = earth::ned_difference(earth, epochs[k].p, epochs[i.first].p).head<2>();
+        const double share = so_far.dot(way) / way.squaredNorm();
+        if (share - before > most) return false;
+        before = share;
+    }
+    return true;
+}
+
 std::vector<Interval> travelled(const std::vector<Epoch>& epochs) {
-    constexpr double sure = 30.0, shortest = 10.0, quick = 4.0, longest = 30.0;  // sigmas; m; s; s
+    constexpr double sure = 15.0, shortest = 10.0, quick = 4.0, longest = 30.0;  // sigmas; m; s; s
     const double step = usual_step(epochs), far = std::max(shortest, sure * noise_of(epochs));
     std::vector<Interval> intervals;
     const double fast = std::max(quick, 3.0 * step), slow = std::max(longest, 6.0 * step);
     each_interval(
         epochs, step, [&](const Interval& i) { return (i.dt >= fast && i.moved.head<2>().norm() >= far) || i.dt >= slow; },
         [&](const Interval& i) {
-            if (i.moved.head<2>().norm() >= far) intervals.push_back(i);
+            if (i.moved.head<2>().norm() >= far && is_steady(epochs, i)) intervals.push_back(i);
         });
     return intervals;
 }

@@ -33,7 +33,7 @@ struct VelocityColumns {
 };
 
 /// The comparison allows for a velocity older than the position, which does not change the factors. Intervals are long enough for
-/// the displacement to exceed the noise of the positions thirty times; a vehicle that does not travel has none.
+/// the displacement to exceed the noise of the positions fifteen times, and without jumps; a vehicle that does not travel has none.
 /// @param fixes in order of time; rad, m, m/s @param has_down there is a vertical column
 [[nodiscard]] VelocityColumns velocity_columns(const std::vector<GnssFix>& fixes, bool has_down);
 
