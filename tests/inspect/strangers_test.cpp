@@ -87,6 +87,44 @@ TEST(Strangers, OneTableOfImuAndFixes) {
     }
 }
 
+/// The solution of a navigation system in the table of its IMU: circular if it were taken for fixes.
+TEST(Strangers, PositionsOfEverySampleAreNoFixes) {
+    const auto folder = fresh_folder("own_solution");
+    CarLog car;
+    car.gnss_rate = car.imu_rate;
+    write_car(folder, car);
+    const std::vector<std::string> imu = lines_of(folder / "imu.csv"), gnss = lines_of(folder / "gnss.csv");
+    ASSERT_EQ(imu.size(), gnss.size());
+    std::vector<std::string> table;
+    for (std::size_t i = 0; i < imu.size(); ++i) table.push_back(imu[i] + gnss[i].substr(gnss[i].find(',')));
+    std::filesystem::remove(folder / "imu.csv");
+    std::filesystem::remove(folder / "gnss.csv");
+    write_lines(folder / "log.csv", table);
+    const InspectReport r = inspect(folder);
+    EXPECT_EQ(fact(r, "gnss.file"), nullptr);
+    EXPECT_TRUE(has_problem(r, Level::Warning, "has positions at 100 Hz, as a navigation system computes them"));
+}
+
+/// A log of the receiver itself is preferred to what the table of the IMU repeats of it.
+TEST(Strangers, TheReceiversOwnLogIsPreferred) {
+    const auto folder = fresh_folder("own_log_preferred");
+    CarLog car;
+    car.write_velocity = false;
+    car.gnss_header = "time_s,lat_deg,lon_deg,height_m,std_n_m,std_e_m,std_d_m";
+    write_car(folder, car);
+    std::vector<std::string> imu = lines_of(folder / "imu.csv");
+    const std::vector<std::string> gnss = lines_of(folder / "gnss.csv");
+    for (std::size_t i = 0; i < imu.size(); ++i) {
+        const std::string& fix = gnss[i == 0 ? 0 : 1 + (i - 1) / 20];
+        imu[i] += fix.substr(fix.find(','), fix.rfind(',', fix.rfind(',') - 1) - fix.find(','));
+    }
+    write_lines(folder / "a_imu.csv", imu);
+    std::filesystem::remove(folder / "imu.csv");
+    const InspectReport r = inspect(folder);
+    EXPECT_TRUE(sets(r, "imu.file = \"a_imu.csv\"")) << r.dataset_toml;
+    EXPECT_TRUE(sets(r, "gnss.file = \"gnss.csv\""));
+}
+
 TEST(Strangers, GivenFixCodesThatDoNotOccurAreTold) {
     const auto folder = fresh_folder("codes");
     write_car(folder, {});

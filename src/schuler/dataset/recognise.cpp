@@ -33,6 +33,10 @@ void refuse_trajectory(const fs::path& folder, const inspect::InspectReport& rep
     const fs::path folder = fs::is_directory(path, ec) ? path : path.parent_path();
     for (const inspect::FileReport& file : report.files) {
         const bool unread = file.rows == 0 && file.contents.empty();  // of a known format, but damaged
+        const auto solution = std::ranges::find_if(
+            file.problems, [](const inspect::Problem& p) { return p.text.find("not taken for fixes") != std::string::npos; });
+        if (kind == "gnss" && solution != file.problems.end())
+            throw input_error(solution->text, {(folder / file.path).string(), 0, 0, {}}, solution->hint);
         if (file.chosen || (file.kind != "unknown" && file.kind != kind && !unread)) continue;
         for (const inspect::Problem& problem : file.problems) {
             if (problem.level == inspect::Level::Info) continue;

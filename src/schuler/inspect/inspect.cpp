@@ -85,6 +85,7 @@ int preference(const LoadedFile& file) {
     int points = file.has("height_m") ? 1 : 0;
     if (file.has("vel_n_m_s")) points += 2;
     if (file.report.rows > 10) points += 4;
+    if (file.beside_imu) points -= 4;
     if (file.report.path.find(".ubx#") != std::string::npos)
         points -= 8;  // the receiver's own processing, used if nothing better is available
     return points;

@@ -336,7 +336,7 @@ void judge_time_unit(LoadedFile& file, const io::TableLayout& layout) {
                                                                   : "ns"));
 }
 
-std::optional<LoadedFile> fixes_beside(const LoadedFile& imu) {
+std::optional<LoadedFile> fixes_beside(LoadedFile& imu) {
     if (imu.table != io::TableKind::Imu || imu.plan.unused.size() < 2 || !io::stream_path(imu.path).stream.empty())
         return std::nullopt;
     try {
@@ -349,6 +349,16 @@ std::optional<LoadedFile> fixes_beside(const LoadedFile& imu) {
     }
     LoadedFile fixes = load_file(imu.path, imu.report.path, {io::TableKind::Gnss, {}, {}, 0.0});
     if (!fixes.table) return std::nullopt;
+    constexpr double fastest = 25.0;  // Hz, of receivers
+    if (fixes.report.rate_hz > fastest) {
+        imu.problem(
+            Level::Warning,
+            fmt::format("has positions at {:.3g} Hz, as a navigation system computes them: they are not taken for fixes",
+                        fixes.report.rate_hz),
+            fmt::format("add the log of the receiver; if they are its own, [gnss] file = {}", toml_text(imu.report.path)));
+        return std::nullopt;
+    }
+    fixes.beside_imu = true;
     fixes.as.kind.reset();  // found, not named
     return fixes;
 }
