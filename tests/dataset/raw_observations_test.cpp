@@ -125,5 +125,20 @@ TEST_F(RawBesideImu, OrIsNamedWithoutTheImu) {
     EXPECT_EQ(value_of(recognise(folder_, Needs::ImuAndGnss, given).facts, "imu.file"), "(none)");
 }
 
+/// The satellites alone are not what a folder with an IMU's log was meant for.
+TEST_F(RawObservationsTest, AnUnrecognisedImuLogBesideThemIsTold) {
+    observations("rover.obs");
+    EXPECT_TRUE(recognise(folder_, Needs::ImuAndGnss, {}).doubts.empty());
+    std::ofstream imu(folder_ / "imu.csv");
+    imu << "time_s,rollspeed,pitchspeed,yawspeed,acc_forward,acc_right,acc_down\n";
+    for (int i = 0; i < 50; ++i) imu << 0.01 * i << ",0,0,0.1,0,0.2,-9.8\n";
+    imu.close();
+    std::ofstream(folder_ / "notes.csv") << "name,value\nsite,3\nday,4\n";
+    const Recognised r = recognise(folder_, Needs::ImuAndGnss, {});
+    ASSERT_EQ(r.doubts.size(), 1U);
+    EXPECT_NE(r.doubts.front().find("the solution is that of the satellites alone; imu.csv is not used"), std::string::npos)
+        << r.doubts.front();
+}
+
 }  // namespace
 }  // namespace schuler::dataset

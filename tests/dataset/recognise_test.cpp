@@ -1,6 +1,8 @@
 // What is said of the files that a run takes.
 #include "schuler/dataset/recognise.h"
 
+#include "schuler/core/error.h"
+
 #include "support/temporary_folder.h"
 
 #include <fmt/format.h>
@@ -26,6 +28,25 @@ TEST(Doubts, AdviceIsNotWhatTheRunTakes) {
         std::ranges::find_if(r.doubts, [](const std::string& d) { return d.find("only 1 usable row") != std::string::npos; });
     ASSERT_NE(only, r.doubts.end());
     EXPECT_EQ(*only, "gnss.csv: only 1 usable row; check that the log was copied completely");
+}
+
+/// The solution of an integrated system is a trajectory like any other.
+TEST(Missing, ASolutionIsNoLogOfAnImu) {
+    const schuler::test::TemporaryFolder folder("Missing_Solution");
+    std::ofstream out(folder.path() / "ins.csv");
+    out << "time_s,lat_deg,lon_deg,height_m,vel_n_m_s,vel_e_m_s,vel_d_m_s,roll_deg,pitch_deg,heading_deg\n";
+    for (int i = 0; i < 100; ++i) out << fmt::format("{},48.{:06d},11.5,500,1,0,0,0,0,{}\n", i, 100000 + i, i);
+    out.close();
+    for (const std::filesystem::path& path : {folder.path(), folder.path() / "ins.csv"}) {
+        try {
+            (void)recognise(path, Needs::ImuAndGnss, {});
+            ADD_FAILURE() << "no Error was thrown";
+        } catch (const Error& e) {
+            EXPECT_NE(std::string(e.what()).find("ins.csv: is a trajectory (attitude and position), no log of an IMU"),
+                      std::string::npos)
+                << e.what();
+        }
+    }
 }
 
 }  // namespace

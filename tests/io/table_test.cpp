@@ -199,7 +199,6 @@ TEST_F(Table, UnusableFilesAreNamed) {
                                                                     7)));
                  }),
                  {"b.bin:1", "binary"});
-    expect_parts(message_of([&] { (void)inspect_table(write("u.csv", "\xff\xfet\0i\0")); }), {"u.csv:1", "UTF-16", "UTF-8"});
     const auto zeros = write("z.csv", "time,a\n1,2\n2,3\n" + std::string(4096, '\0'));
     expect_parts(message_of([&] { (void)rows(zeros, 2); }), {"z.csv:4", "zero bytes", "delete line 4"});
 }

@@ -2,6 +2,7 @@
 
 #include "schuler/core/error.h"
 #include "schuler/dataset/raw_observations.h"
+#include "schuler/io/text/columns.h"
 
 #include <fmt/format.h>
 
@@ -15,12 +16,27 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// A trajectory, in a frame of its own or on the Earth, in place of the log of an IMU.
+void refuse_trajectory(const fs::path& folder, const inspect::InspectReport& report) {
+    const auto trajectory = std::ranges::find_if(report.files, [](const inspect::FileReport& file) {
+        return file.kind == "trajectory" || file.kind == "reference" || file.kind == "kfgins_reference";
+    });
+    if (trajectory == report.files.end()) return;
+    throw input_error("is a trajectory (attitude and position), no log of an IMU",
+                      {(folder / trajectory->path).string(), 0, 0, {}},
+                      "give the log of the IMU itself: angular rates and accelerations");
+}
+
 /// No log of this kind was recognised: reports the most informative finding about a candidate file.
 [[noreturn]] void throw_missing(const fs::path& path, const inspect::InspectReport& report, std::string_view kind) {
     std::error_code ec;
     const fs::path folder = fs::is_directory(path, ec) ? path : path.parent_path();
     for (const inspect::FileReport& file : report.files) {
         const bool unread = file.rows == 0 && file.contents.empty();  // of a known format, but damaged
+        const auto solution = std::ranges::find_if(
+            file.problems, [](const inspect::Problem& p) { return p.text.find("not taken for fixes") != std::string::npos; });
+        if (kind == "gnss" && solution != file.problems.end())
+            throw input_error(solution->text, {(folder / file.path).string(), 0, 0, {}}, solution->hint);
         if (file.chosen || (file.kind != "unknown" && file.kind != kind && !unread)) continue;
         for (const inspect::Problem& problem : file.problems) {
             if (problem.level == inspect::Level::Info) continue;
@@ -32,11 +48,7 @@ namespace fs = std::filesystem;
                           "put the log itself there, or name it in a dataset.toml");
     }
     const bool imu = kind == "imu";
-    const auto trajectory = std::ranges::find(report.files, "trajectory", &inspect::FileReport::kind);
-    if (imu && trajectory != report.files.end())
-        throw input_error("is a trajectory (attitude and position), no log of an IMU",
-                          {(folder / trajectory->path).string(), 0, 0, {}},
-                          "give the log of the IMU itself: angular rates and accelerations");
+    if (imu) refuse_trajectory(folder, report);
     throw input_error(fmt::format("no {} log was recognised in it", imu ? "IMU" : "GNSS"), {path.string(), 0, 0, {}},
                       imu ? "name the columns time_s, gyro_x_rad_s, ..., accel_x_m_s2, ..., or map them in a dataset.toml"
                           : "give the folder that holds both logs, or a dataset.toml with [initial] to navigate without GNSS");
@@ -64,6 +76,30 @@ std::vector<std::string> doubts_of(const inspect::InspectReport& report) {
             const char* link = problem.hint.empty() ? "" : setting ? "; taken with " : "; ";
             doubts.push_back(fmt::format("{}: {}{}{}", file.path, problem.text, link, problem.hint));
         }
+    }
+    return doubts;
+}
+
+/// Tables beside raw measurements that are of no use as they are, and could be the log of an IMU: the solution is that of the
+/// satellites alone, which nobody asked for.
+std::vector<std::string> unused_tables(const inspect::InspectReport& report) {
+    std::vector<std::string> doubts;
+    for (const inspect::FileReport& file : report.files) {
+        const auto inertial = [](const std::string& name) {
+            const std::vector<std::string> words = io::words_of_name(name);
+            return std::ranges::any_of(words, [](const std::string& w) {
+                return w.starts_with("acc") || w.starts_with("gyr") || w == "imu" || w == "omega" || w == "ins";
+            });
+        };
+        const bool table = !file.resembles.empty() || std::ranges::any_of(file.columns, inertial) ||
+                           (file.columns.size() >= 4 && inertial(fs::path(file.path).filename().string()));
+        const bool damaged = file.rows == 0 && file.contents.empty() && file.kind == "unknown" &&
+                             std::ranges::any_of(file.problems, [](const auto& p) { return p.level == inspect::Level::Error; });
+        if (file.chosen || file.kind != "unknown" || !(table || damaged) || file.problems.empty()) continue;
+        const auto worst = std::ranges::max_element(file.problems, {}, &inspect::Problem::level);
+        doubts.push_back(
+            fmt::format("no IMU log was recognised: the solution is that of the satellites alone; {} is not used: {}{}{}",
+                        file.path, worst->text, worst->hint.empty() ? "" : "; ", worst->hint));
     }
     return doubts;
 }
@@ -115,6 +151,7 @@ Recognised recognise(const fs::path& path, Needs needs, const inspect::Given& gi
         if (!raw.facts.empty()) {
             r.facts = std::move(raw.facts);
             r.dataset_toml = std::move(raw.dataset_toml);
+            r.doubts = unused_tables(r.report);
             return r;
         }
     }
@@ -129,6 +166,8 @@ Recognised recognise(const fs::path& path, Needs needs, const inspect::Given& gi
                 throw input_error(error->text, {(fs::is_directory(path, ec) ? path / only.path : path).string(), 0, 0, {}},
                                   error->hint);
         }
+        std::error_code ec;
+        refuse_trajectory(fs::is_directory(path, ec) ? path : path.parent_path(), r.report);
         for (const auto& problem : r.report.problems) {
             if (problem.level != inspect::Level::Error) continue;
             why = problem.text;

@@ -85,6 +85,7 @@ int preference(const LoadedFile& file) {
     int points = file.has("height_m") ? 1 : 0;
     if (file.has("vel_n_m_s")) points += 2;
     if (file.report.rows > 10) points += 4;
+    if (file.beside_imu) points -= 4;
     if (file.report.path.find(".ubx#") != std::string::npos)
         points -= 8;  // the receiver's own processing, used if nothing better is available
     return points;
@@ -111,6 +112,24 @@ bool is_result(const LoadedFile& file) {
            io::may_overwrite(where.file);
 }
 
+/// A log with the columns of the chosen one that begins after its end, or ends before its start, is another part of the same recording:
+/// it is not read, which must be said. False if it is not one.
+bool tell_other_part(Study& study, const LoadedFile& chosen, const LoadedFile& other) {
+    const FileReport &a = chosen.report, &b = other.report;
+    const fs::path first = io::stream_path(chosen.path).file, second = io::stream_path(other.path).file;
+    if (a.columns != b.columns || first == second || first.parent_path() != second.parent_path() ||
+        first.extension() != second.extension() || a.rows < 2 || b.rows < 2)
+        return false;
+    const bool later = b.start_s >= a.stop_s;
+    if (!later && b.stop_s > a.start_s) return false;
+    const std::string text = fmt::format("{} {} {} ({:.1f} to {:.1f} s, {:.1f} to {:.1f} s): it is not used", b.path,
+                                         later ? "continues" : "precedes", a.path, b.start_s, b.stop_s, a.start_s, a.stop_s);
+    const std::string mend = "join the parts of the recording into one file, or give each with its fixes a folder";
+    study.problem(Level::Warning, text, mend);
+    study.doubts.push_back(fmt::format("{}; {}", text, mend));
+    return true;
+}
+
 LoadedFile* choose(Study& study, io::TableKind kind, const std::string& section) {
     LoadedFile* best = nullptr;
     if (named(study.given, kind) != nullptr) {
@@ -135,6 +154,7 @@ LoadedFile* choose(Study& study, io::TableKind kind, const std::string& section)
     best->report.chosen = true;
     for (const LoadedFile& file : study.files) {
         if (file.table != kind || file.as.kind || &file == best || is_result(file)) continue;
+        if (tell_other_part(study, *best, file)) continue;
         study.problem(Level::Info,
                       fmt::format("{} could be [{}] as well; {} was taken", file.report.path, section, best->report.path),
                       fmt::format("to use it: [{}] file = {}", section, toml_text(file.report.path)));
@@ -270,6 +290,9 @@ void load_one(const fs::path& file, const std::string& name, Study& study) {
          (format->name == "novatel" &&
           io::raw_format(file) == io::RawFormat::Novatel));  // raw measurements first, then the receiver's own solution
     if (!streams || receiver) study.files.push_back(as_given(detail::load_file(file, name), study.given));
+    if (!streams)
+        if (std::optional<LoadedFile> fixes = detail::fixes_beside(study.files.back()))
+            study.files.push_back(as_given(std::move(*fixes), study.given));
     if (!streams || (receiver && study.files.back().report.kind != format->name)) return;
     const std::size_t whole = study.files.size() - 1;
     for (LoadedFile& stream : detail::load_streams(file, name, *format)) {
@@ -300,10 +323,14 @@ void load_files(const fs::path& path, Study& study) {
                                                             {kind, {file->columns, file->scale, {}}, {}, file->time_offset}));
             continue;
         }
-        std::erase_if(others, [&](const fs::path& p) { return fs::equivalent(p, file->path, failure); });
+        if (!detail::is_table_of_another(file->path, kind))
+            std::erase_if(others, [&](const fs::path& p) { return fs::equivalent(p, file->path, failure); });
         detail::ReadAs as{kind, {file->columns, file->scale, {}}, {}, file->time_offset};
         if (kind == io::TableKind::Gnss) as.fix_codes = given.fix_codes;
         study.files.push_back(detail::load_file(file->path, file->name, as));
+        if (kind == io::TableKind::Imu && given.find_gnss && named(given, io::TableKind::Gnss) == nullptr)
+            if (std::optional<LoadedFile> fixes = detail::fixes_beside(study.files.back()))
+                study.files.push_back(as_given(std::move(*fixes), given));
     }
     const auto load = [&](const fs::path& file) {
         // in addition to named files, only tables can take a role, and the IMU's in the log of a receiver
@@ -387,6 +414,7 @@ InspectReport inspect(const std::filesystem::path& path, const Given& given) {
     report_lacking(study);
     detail::judge_idle_velocity(study);
     detail::judge_coordinates(study);
+    detail::judge_velocity(study);
     detail::judge_time(study);
     detail::judge_clock_steps(study);
     const bool compared = study.overlap;

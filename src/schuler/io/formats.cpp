@@ -35,6 +35,7 @@ namespace schuler::io {
     FORMAT(kitti_format)             \
     FORMAT(waypoint_format)          \
     FORMAT(ulog2csv_format)          \
+    FORMAT(phone_format)             \
     FORMAT(euroc_format)             \
     FORMAT(tum_format)               \
     FORMAT(kml_format)               \
@@ -60,6 +61,7 @@ FileHead::FileHead(const std::filesystem::path& file) : path(file) {
     std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     constexpr std::size_t enough = 65'536;
     if (!folder) bytes = read_head(TextInput(file), enough);
+    if (is_utf16(bytes)) bytes = utf8_of_utf16(bytes);
 }
 
 const Format* format_of(const std::filesystem::path& file) {

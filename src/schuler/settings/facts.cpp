@@ -116,6 +116,7 @@ inspect::Given given_of(const Config& c, const SettingList& given, const std::fi
     }
     const fusion::GnssSettings& gnss = c.filter.gnss;
     if (g.has("gnss.latency_s") && !gnss.estimate_latency) g.latency = gnss.latency;
+    if (g.has("gnss.use_velocity")) g.use_velocity = gnss.use_velocity;
     g.velocity_latency = gnss.velocity_latency;
     g.height_latency = gnss.height_latency;
     g.velocity_down_latency = gnss.velocity_down_latency;

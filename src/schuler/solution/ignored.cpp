@@ -121,44 +121,48 @@ std::vector<Rule> sensor_rules(const ResultBundle& b) {
     const bool velocities = std::ranges::any_of(r.gnss, [](const GnssFix& x) { return x.velocity_n.allFinite(); });
     const fusion::InitialSettings& i = f.initial;
     const bool position = std::isfinite(i.position.lat) && std::isfinite(i.position.lon) && std::isfinite(i.position.h);
-    return {{{"baro.white_m", "baro.bias_", "baro.sea_level_pressure_pa", "baro.columns", "baro.scale", "baro.time_offset_s"},
-             unless(baro, "no barometer is used")},
-            {{"mag.declination_deg", "mag.heading_", "mag.axes", "mag.columns", "mag.scale", "mag.time_offset_s"},
-             unless(mag, "no magnetometer is used")},
-            {{"odometer."}, unless(f.odometer.use && !r.odometer.empty(), "no odometer is used")},
-            {{"heading."}, unless(f.heading.use && !r.heading.empty(), "no heading sensor is used")},
-            {{"heading.std_deg", "heading.offset_deg"},
-             unless(!f.heading.by_course, "the course takes the place of a heading sensor")},
-            {{"vehicle.leeway_deg"},
-             unless(f.heading.by_course || c.leeway == 0.0,
-                    "the course is used for ships without a heading sensor that make a metre per second or more")},
-            {{"gauges."}, unless(!r.gauges.empty(), "no gauges are used")},
-            {{"log."}, unless(!r.body_velocity.empty(), "no log of velocity is used")},
-            {{"compass."}, unless(f.heading.use && !r.heading.empty(), "no compass is used")},
-            {{"gnss.observations", "gnss.navigation"},
-             unless(raw || !c.ranges.file.empty(), "gnss.file gives the fixes, and the coupling is loose")},
-            {{"gnss.systems", "gnss.elevation_mask_deg", "gnss.ionosphere", "gnss.troposphere", "gnss.precise",
-              "gnss.phase_velocity"},
-             unless(raw && (!c.raw.observations.empty() || !r.ranges.empty()), "no raw measurements are used")},
-            {{"base."},
-             b.data.carrier.epochs.empty() ? c.base.observations.empty() ? "no base station is given (base.observations)"
-                                             : !c.gnss.file.empty()      ? "gnss.file gives the fixes"
-                                                                         : "the coupling takes ranges instead of fixes"
-                                           : ""},
-            {{"gnss.undulation_m"},
-             unless(b.data.logged_height == fusion::HeightKind::Msl, "the heights are not above mean sea level (gnss.height)")},
-            {{"gnss.default_std_m"},
-             unless(!states_all(r.gnss, &GnssFix::std_position, false), "the log states the sigmas of all positions")},
-            {{"gnss.default_std_velocity_m_s"},
-             unless(f.gnss.use_velocity && velocities && !states_all(r.gnss, &GnssFix::std_velocity, true),
-                    velocities ? "the log states the sigmas of all velocities" : "the log has no velocities")},
-            {{"gnss.velocity_latency_s", "gnss.velocity_down_latency_s", "gnss.use_velocity"},
-             unless(velocities, "the log has no velocities")},
-            {{"initial.lat_deg", "initial.lon_deg", "initial.height_m"},
-             unless(position, "only latitude, longitude and height together are a position to start from")},
-            {{"reference."}, unless(!r.reference.empty(), "there is no reference")},
-            {{"stations.coordinates", "stations.columns", "stations.scale"},
-             unless(!c.ranges.file.empty(), "there is no stations.file")}};
+    return {
+        {{"baro.white_m", "baro.bias_", "baro.sea_level_pressure_pa", "baro.columns", "baro.scale", "baro.time_offset_s"},
+         unless(baro, "no barometer is used")},
+        {{"mag.declination_deg", "mag.heading_", "mag.axes", "mag.columns", "mag.scale", "mag.time_offset_s"},
+         unless(mag, "no magnetometer is used")},
+        {{"odometer."}, unless(f.odometer.use && !r.odometer.empty(), "no odometer is used")},
+        {{"heading."}, unless(f.heading.use && !r.heading.empty(), "no heading sensor is used")},
+        {{"heading.std_deg", "heading.offset_deg"},
+         unless(!f.heading.by_course, "the course takes the place of a heading sensor")},
+        {{"vehicle.leeway_deg"},
+         unless(f.heading.by_course || c.leeway == 0.0,
+                "the course is used for ships without a heading sensor that make a metre per second or more")},
+        {{"gauges."}, unless(!r.gauges.empty(), "no gauges are used")},
+        {{"log."}, unless(!r.body_velocity.empty(), "no log of velocity is used")},
+        {{"compass."}, unless(f.heading.use && !r.heading.empty(), "no compass is used")},
+        {{"gnss.observations", "gnss.navigation"},
+         unless(raw || !c.ranges.file.empty(), "gnss.file gives the fixes, and the coupling is loose")},
+        {{"gnss.systems", "gnss.elevation_mask_deg", "gnss.ionosphere", "gnss.troposphere", "gnss.precise",
+          "gnss.phase_velocity"},
+         unless(raw && (!c.raw.observations.empty() || !r.ranges.empty()), "no raw measurements are used")},
+        {{"base."},
+         b.data.carrier.epochs.empty() ? c.base.observations.empty() ? "no base station is given (base.observations)"
+                                         : !c.gnss.file.empty()      ? "gnss.file gives the fixes"
+                                                                     : "the coupling takes ranges instead of fixes"
+                                       : ""},
+        {{"gnss.undulation_m"},
+         unless(b.data.logged_height == fusion::HeightKind::Msl, "the heights are not above mean sea level (gnss.height)")},
+        {{"gnss.default_std_m"},
+         unless(!states_all(r.gnss, &GnssFix::std_position, false), "the log states the sigmas of all positions")},
+        {{"gnss.default_std_velocity_m_s"},
+         unless(f.gnss.use_velocity && velocities && !states_all(r.gnss, &GnssFix::std_velocity, true),
+                velocities            ? "the log states the sigmas of all velocities"
+                : f.gnss.use_velocity ? "the log has no velocities"
+                                      : "velocities are not used (gnss.use_velocity)")},
+        {{"gnss.velocity_latency_s", "gnss.velocity_down_latency_s"},
+         unless(velocities, f.gnss.use_velocity ? "the log has no velocities" : "velocities are not used (gnss.use_velocity)")},
+        {{"gnss.use_velocity"}, unless(velocities || !f.gnss.use_velocity, "the log has no velocities")},
+        {{"initial.lat_deg", "initial.lon_deg", "initial.height_m"},
+         unless(position, "only latitude, longitude and height together are a position to start from")},
+        {{"reference."}, unless(!r.reference.empty(), "there is no reference")},
+        {{"stations.coordinates", "stations.columns", "stations.scale"},
+         unless(!c.ranges.file.empty(), "there is no stations.file")}};
 }
 
 }  // namespace

@@ -75,6 +75,15 @@ void settle_heights(LoadedDataset& out, WarningLog& warnings) {
                  "heights are above mean sea level and are used as they are; give gnss.undulation_m for ellipsoidal ones");
 }
 
+/// Velocities that are not used show neither rest nor speed nor course, as if the log had none. A solution that is the fixes
+/// themselves has them, unless they were found wrong.
+void leave_out_velocities(LoadedDataset& out) {
+    if (out.config.filter.gnss.use_velocity ||
+        (out.config.scheme == settings::Scheme::Gnss && out.given.contains("gnss.use_velocity")))
+        return;
+    for (GnssFix& fix : out.recording.gnss) fix.velocity_n = fix.std_velocity = not_given3();
+}
+
 /// Requested output instants, in order.
 void settle_events(LoadedDataset& out, const fs::path& folder) {
     settings::Config& c = out.config;
@@ -157,6 +166,19 @@ LoadedDataset settled_dataset(Recording recording, const settings::Config& confi
     return out;
 }
 
+/// Outages without any fix of the log's span to leave out.
+void tell_idle_outages(const LoadedDataset& data, WarningLog& warnings) {
+    if (data.recording.gnss.empty()) return;
+    const double first = (data.recording.gnss.front().time - data.origin).seconds(),
+                 last = (data.recording.gnss.back().time - data.origin).seconds();
+    for (const auto& outage : data.config.filter.outages)
+        if (outage.start > last || outage.start + outage.duration < first)
+            warnings.add(
+                "run.outages.idle",
+                fmt::format("the outage of {:.6g} s at {:.6g} s has no effect: the fixes of the log are from {:.6g} to {:.6g} s",
+                            outage.duration, outage.start, first, last));
+}
+
 LoadedDataset load_dataset(const settings::Dataset& dataset, const settings::Config& config, WarningLog& warnings) {
     const auto begin = std::chrono::steady_clock::now();
     LoadedDataset out;
@@ -174,7 +196,9 @@ LoadedDataset load_dataset(const settings::Dataset& dataset, const settings::Con
     dataset::settle_drift(out.recording, out.config.clock_drift);
     dataset::settle_pressures(out.recording.baro, out.config.sea_level_pressure);
     settle_heights(out, warnings);
+    leave_out_velocities(out);
     settle_times(out);
+    tell_idle_outages(out, warnings);
     settle_events(out, dataset.folder);
     dataset::check_gravity_shows(out.recording.imu, out.config.filter.imu.kind, dataset.folder, out.config);
     choose_mechanization(out);

@@ -17,8 +17,9 @@ namespace {
 struct Misfit {
     double miss = 0.0, moved = 0.0;
 };
-Misfit misfit(const LoadedFile& file, const char* lat, const char* lon) {
-    const std::vector<double>&p = file[lat], &q = file[lon], &vn = file["vel_n_m_s"], &ve = file["vel_e_m_s"];
+Misfit misfit(const LoadedFile& file, const char* lat, const char* lon, const char* north = "vel_n_m_s",
+              const char* east = "vel_e_m_s") {
+    const std::vector<double>&p = file[lat], &q = file[lon], &vn = file[north], &ve = file[east];
     constexpr double span = 2.0;  // s
     const earth::Earth earth;
     Misfit sum;
@@ -63,7 +64,19 @@ void judge_coordinates(Study& study) {
     if (as_named.moved < much || as_named.miss < wrong * as_named.moved) return;
     const Misfit exchanged = misfit(file, "lon_deg", "lat_deg");
     if (exchanged.miss > right * exchanged.moved || exchanged.miss > right * as_named.miss) return;
+    // Near the equator the velocities may be the exchanged ones just as well.
+    const Misfit velocities = misfit(file, "lat_deg", "lon_deg", "vel_e_m_s", "vel_n_m_s");
+    constexpr double alike = 2.0;
+    if (alike * velocities.miss < exchanged.miss) return;
     const io::ColumnMatch *lat = file.plan.find("lat_deg"), *lon = file.plan.find("lon_deg");
+    if (velocities.miss < alike * exchanged.miss) {
+        leave_out_velocities(study,
+                             fmt::format("either latitude and longitude ({}, {}) or the velocities north and east ({}, {}) "
+                                         "are exchanged: so near the equator they do not show which",
+                                         lat->file_name, lon->file_name, file.plan.find("vel_n_m_s")->file_name,
+                                         file.plan.find("vel_e_m_s")->file_name));
+        return;
+    }
     const std::string text = fmt::format(
         "latitude and longitude are exchanged: the positions agree with the velocities only with {} as the latitude "
         "(of the motion {:.1g} remain, otherwise {:.1g})",

@@ -3,6 +3,7 @@
 
 #include "schuler/core/units.h"
 #include "schuler/inspect/detail/robust.h"
+#include "schuler/io/streams.h"
 #include "schuler/io/text/fix_codes.h"
 #include "schuler/io/text/idle_velocities.h"
 
@@ -16,8 +17,23 @@
 namespace schuler::inspect::detail {
 namespace {
 
+/// Given codes that the log does not have: perhaps a slip of the pen.
+void check_given_codes(Study& study) {
+    const LoadedFile& file = *study.gnss_file;
+    std::string absent, present;
+    for (const auto& [code, fix] : study.given.fix_codes)
+        if (!file.fix_codes.contains(code)) absent += (absent.empty() ? "" : ", ") + code;
+    for (const auto& [code, fix] : file.fix_codes) present += (present.empty() ? "" : ", ") + code;
+    if (absent.empty() || !io::stream_path(file.path).stream.empty()) return;
+    study.doubts.push_back(fmt::format("gnss.fix_codes: {} {} not occur in {}, {}", absent,
+                                       absent.find(',') == std::string::npos ? "does" : "do", file.report.path,
+                                       present.empty() ? "which has no column of the fix" : "which has " + present));
+    study.problem(Level::Warning, study.doubts.back(), "leave them out, or give the codes of the log");
+}
+
 void judge_fix(Study& study) {
     LoadedFile& file = *study.gnss_file;
+    check_given_codes(study);
     if (file.fix.empty()) return;
     std::map<std::string, std::size_t> counts;
     for (const FixType fix : file.fix) ++counts[std::string(io::name_of(fix))];
@@ -197,6 +213,10 @@ void judge_gnss(Study& study) {
         const std::string why = "the velocities of the log are always zero, although the positions travel";
         study.draft.set("gnss", "use_velocity", false, "sure: " + why, true, Known::Found);
         study.doubts.push_back(fmt::format("{}: {}; they are not used", study.gnss_file->report.path, why));
+    }
+    if (!study.velocity_left_out.empty()) {
+        study.draft.set("gnss", "use_velocity", false, "sure: " + study.velocity_left_out, true, Known::Found);
+        study.doubts.push_back(fmt::format("{}: {}; they are not used", study.gnss_file->report.path, study.velocity_left_out));
     }
     judge_fix(study);
     judge_sigma(study);

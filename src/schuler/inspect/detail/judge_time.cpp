@@ -77,6 +77,14 @@ void check_overlap(Study& study) {
         }
     }
     study.overlap = shared > 10.0;
+    constexpr double fewest_seconds = 20.0;
+    if (shared > 0.0 && shared < fewest_seconds) {
+        study.doubts.push_back(
+            fmt::format("{} and {} have only {:.1f} s in common: too short to find heading, biases and latencies; record a "
+                        "minute or more, at rest first and then in motion",
+                        imu.path, gnss.path, shared));
+        study.problem(Level::Warning, study.doubts.back(), "");
+    }
     if (shared <= 0.0) {
         study.problem(
             Level::Error,
@@ -85,7 +93,7 @@ void check_overlap(Study& study) {
             fmt::format("bring them to one time axis: if both logs began together, [imu] time_offset_s = {:.3f}; otherwise "
                         "name other time columns",
                         gnss.start_s - imu.start_s));
-    } else if (shared < 0.5 * (gnss.stop_s - gnss.start_s)) {
+    } else if (shared >= fewest_seconds && shared < 0.5 * (gnss.stop_s - gnss.start_s)) {
         study.problem(Level::Warning, fmt::format("IMU and GNSS have only {:.1f} s in common", shared),
                       "check that the files are of the same run");
     }
@@ -109,7 +117,25 @@ std::vector<GnssFix> gnss_fixes(const LoadedFile& file) {
     return fixes;
 }
 
+/// Serial dates of a spreadsheet count days: as seconds, samples would follow each other within microseconds.
+static void refuse_serial_dates(Study& study) {
+    constexpr double earliest = 29'000.0, latest = 75'000.0, fastest = 2e4;  // days since 1900: 1979 to 2105; Hz
+    for (const LoadedFile* file : {study.imu_file, study.gnss_file}) {
+        if (file == nullptr || study.refusal || file->report.start_s < earliest || file->report.stop_s > latest) continue;
+        const double slowest = file == study.imu_file ? fastest : fastest / 20.0;
+        if (file->report.rate_hz < slowest) continue;
+        const io::ColumnMatch* time = file->plan.find("time_s");
+        study.refusal =
+            Refusal{file->report.path, time != nullptr ? time->file_name : "time_s",
+                    fmt::format("the times are serial dates of a spreadsheet (days since 1900): {:.0f} rows per second by them",
+                                file->report.rate_hz),
+                    "export the time in seconds: (date - first date) * 86400 with four decimals"};
+        study.problem(Level::Error, fmt::format("{}: {}", file->report.path, study.refusal->text), study.refusal->hint);
+    }
+}
+
 void judge_time(Study& study) {
+    refuse_serial_dates(study);
     const LoadedFile* main = study.gnss_file != nullptr  ? study.gnss_file
                              : study.imu_file != nullptr ? study.imu_file
                                                          : study.reference_file;

@@ -47,6 +47,7 @@ std::vector<std::string> explained_columns(const LoadedFile& file) {
                     : m.time_unit == io::TimeUnit::Milliseconds ? ", milliseconds"
                     : m.time_unit == io::TimeUnit::Microseconds ? ", microseconds"
                                                                 : ", nanoseconds";
+        if (m.degrees_minutes) line += ", degrees and minutes";
         if (m.height != io::HeightKind::Unstated) line += fmt::format(", {}", io::name_of(m.height));
         line += m.unit_stated ? ")" : ", unit judged by value)";
         out.push_back(std::move(line));

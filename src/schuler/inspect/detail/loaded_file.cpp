@@ -3,6 +3,7 @@
 #include "schuler/core/error.h"
 #include "schuler/inspect/detail/recognise.h"
 #include "schuler/io/text/fix_codes.h"
+#include "schuler/io/text/held_rows.h"
 #include "schuler/io/text/lonely_samples.h"
 #include "schuler/io/text/repair_times.h"
 #include "schuler/io/text/table.h"
@@ -10,6 +11,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -230,6 +232,31 @@ void drop_strays(LoadedFile& file) {
                  "nothing to do: they are left out");
 }
 
+/// Likewise: rows of another instrument between the fixes of one table, and fixes held over such rows.
+void drop_between_fixes(LoadedFile& file) {
+    if (!file.has("lat_deg") || !file.has("lon_deg")) return;
+    std::vector<std::size_t> blank;
+    for (std::size_t i = 0; i < file.time_ns.size(); ++i)
+        if (std::isnan(file["lat_deg"][i]) && std::isnan(file["lon_deg"][i])) blank.push_back(i);
+    if (blank.size() == file.time_ns.size()) return;
+    if (!blank.empty()) {
+        erase_rows(file, blank);
+        file.problem(Level::Info, fmt::format("{} rows without a position are left out", blank.size()), "");
+    }
+    const auto same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
+    std::vector<bool> repeats(file.time_ns.size(), false);
+    for (std::size_t i = 1; i < repeats.size(); ++i)
+        repeats[i] =
+            std::ranges::all_of(std::array{"lat_deg", "lon_deg", "height_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s"},
+                                [&](const char* name) { return !file.has(name) || same(file[name][i], file[name][i - 1]); });
+    const std::vector<std::size_t> held = io::held_rows(repeats);
+    if (held.empty()) return;
+    erase_rows(file, held);
+    file.problem(Level::Warning,
+                 fmt::format("{} rows repeat the fix before, which is held over the rows of a faster log", held.size()),
+                 "nothing to do: each fix is taken once; its time is that of the first row that has it");
+}
+
 /// Likewise.
 void drop_lonely(LoadedFile& file) {
     if (!file.has("gyro_x_rad_s") || !file.has("accel_x_m_s2")) return;
@@ -298,6 +325,7 @@ void finish(LoadedFile& file) {
         for (std::int64_t& t : file.time_ns) t += Duration::from_seconds(file.as.time_offset).ns;
     }
     drop_strays(file);
+    if (file.table == io::TableKind::Gnss) drop_between_fixes(file);
     if (file.table == io::TableKind::Imu) drop_lonely(file);
     if (file.table == io::TableKind::Imu || file.table == io::TableKind::Gnss || file.table == io::TableKind::Mag)
         spread_times(file);

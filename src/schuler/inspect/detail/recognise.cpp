@@ -1,7 +1,10 @@
 #include "schuler/inspect/detail/recognise.h"
 
+#include "schuler/core/error.h"
+#include "schuler/core/fact.h"
 #include "schuler/inspect/detail/robust.h"
 #include "schuler/io/regular_file.h"
+#include "schuler/io/streams.h"
 #include "schuler/io/text/number.h"
 #include "schuler/io/text/own_frame.h"
 
@@ -206,6 +209,43 @@ const io::Format* format_by_name(const std::string& extension) {
     return nullptr;
 }
 
+/// Columns of other instruments in the table of one: they are read only if the table is named for them.
+void tell_other_instruments(LoadedFile& file, const io::TableLayout& layout) {
+    const auto unused = [&](const io::ColumnMatch* match) {
+        return match != nullptr && std::ranges::find(file.plan.unused, match->file_name) != file.plan.unused.end();
+    };
+    const auto tell = [&](io::TableKind kind, std::initializer_list<const char*> needed, const char* what) {
+        if (file.table == kind) return;
+        const io::ColumnPlan plan = io::match_columns(layout, kind);
+        std::string names;
+        for (const char* name : needed) {
+            const io::ColumnMatch* match = plan.find(name);
+            if (!unused(match)) return;
+            names += (names.empty() ? "" : ", ") + match->file_name;
+        }
+        file.problem(Level::Info, fmt::format("has columns of {} too, which are not used: {}", what, names),
+                     fmt::format("to use them: [{}] file = {}", io::name_of(kind), toml_text(file.report.path)));
+    };
+    if (file.table != io::TableKind::Imu && file.table != io::TableKind::Gnss) return;
+    tell(io::TableKind::Mag, {"mag_x_ut", "mag_y_ut", "mag_z_ut"}, "a magnetometer");
+    tell(io::TableKind::Baro, {"pressure_pa"}, "a barometer");
+    std::string speeds, headings;
+    for (const std::string& name : file.plan.unused) {
+        const std::vector<std::string> words = io::words_of_name(name);
+        const auto has = [&](std::initializer_list<std::string_view> any) {
+            return std::ranges::any_of(words, [&](const std::string& w) { return std::ranges::find(any, w) != any.end(); });
+        };
+        if (has({"wheel", "wheels", "odometer", "odo", "odometry", "obd", "can"})) speeds += (speeds.empty() ? "" : ", ") + name;
+        if (has({"heading", "yaw", "compass", "azimuth"})) headings += (headings.empty() ? "" : ", ") + name;
+    }
+    if (!speeds.empty())
+        file.problem(Level::Info, fmt::format("has columns that look like an odometer's, which are not used: {}", speeds),
+                     "to use one: a table time_s,speed_m_s,std_m_s of its own, [odometer] file = ...");
+    if (!headings.empty())
+        file.problem(Level::Info, fmt::format("has columns that look like headings, which are not used: {}", headings),
+                     "to use one that is measured: a table time_s,heading_deg,std_deg of its own, [heading] file = ...");
+}
+
 void recognise_table(LoadedFile& file) {
     const io::TextInput input(file.path);
     io::TableLayout layout = io::inspect_table(input);
@@ -255,6 +295,7 @@ void recognise_table(LoadedFile& file) {
     }
     read_table(file, layout);
     judge_time_unit(file, layout);
+    tell_other_instruments(file, layout);
     if (file.report.kind == "trajectory") file.table.reset();
 }
 
@@ -293,6 +334,45 @@ void judge_time_unit(LoadedFile& file, const io::TableLayout& layout) {
                              unit == io::TimeUnit::Milliseconds   ? "ms"
                              : unit == io::TimeUnit::Microseconds ? "us"
                                                                   : "ns"));
+}
+
+std::optional<LoadedFile> fixes_beside(LoadedFile& imu) {
+    if (imu.table != io::TableKind::Imu || imu.plan.unused.size() < 2 || !io::stream_path(imu.path).stream.empty())
+        return std::nullopt;
+    try {
+        const io::ColumnPlan plan = io::match_columns(io::inspect_table(io::TextInput(imu.path)), io::TableKind::Gnss);
+        const io::ColumnMatch *lat = plan.find("lat_deg"), *lon = plan.find("lon_deg");
+        if (lat == nullptr || lon == nullptr || plan.find("time_s") == nullptr || io::is_estimate(lat->file_name))
+            return std::nullopt;
+    } catch (const Error&) {
+        return std::nullopt;  // as the IMU's own table it was read
+    }
+    LoadedFile fixes = load_file(imu.path, imu.report.path, {io::TableKind::Gnss, {}, {}, 0.0});
+    if (!fixes.table) return std::nullopt;
+    constexpr double fastest = 25.0;  // Hz, of receivers
+    if (fixes.report.rate_hz > fastest) {
+        imu.problem(
+            Level::Warning,
+            fmt::format("has positions at {:.3g} Hz, as a navigation system computes them: they are not taken for fixes",
+                        fixes.report.rate_hz),
+            fmt::format("add the log of the receiver; if they are its own, [gnss] file = {}", toml_text(imu.report.path)));
+        return std::nullopt;
+    }
+    fixes.beside_imu = true;
+    fixes.as.kind.reset();  // found, not named
+    return fixes;
+}
+
+bool is_table_of_another(const std::filesystem::path& path, io::TableKind named) {
+    if (named != io::TableKind::Mag && named != io::TableKind::Baro) return false;
+    try {
+        const io::Format* format = io::format_of(path);
+        if (format == nullptr || format->read != nullptr) return false;
+        const std::optional<io::TableKind> own = io::guess_table_kind(io::inspect_table(io::TextInput(path)));
+        return own == io::TableKind::Imu || own == io::TableKind::Gnss;
+    } catch (const Error&) {
+        return false;  // the reader of its role reports it
+    }
 }
 
 void recognise_and_read(LoadedFile& file) {

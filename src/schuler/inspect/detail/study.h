@@ -51,6 +51,7 @@ struct Study {
     bool forward_supposed = false;  ///< the vehicle travels, but neither the files nor the filter can determine forward
     double velocity_age = 0.0, position_age = 0.0;  ///< medians of the values in the log's own columns, s
     bool idle_velocity = false;                     ///< the log's velocities were always zero: removed
+    std::string velocity_left_out;  ///< why the log's velocities are not used, if they disagree with the positions
     bool states_velocity_age = false, states_position_age = false;
 
     std::vector<Finding> findings;
@@ -87,6 +88,11 @@ void judge_reference(Study& study);
 [[nodiscard]] std::vector<GnssFix> gnss_fixes(const LoadedFile& file);
 /// Removes velocities of a GNSS log that are always zero while it travels. Called before the series are formed.
 void judge_idle_velocity(Study& study);
+/// Determines unit, order and signs of the velocities from the displacement of the positions; removes them if nothing makes the two
+/// agree. A vehicle that hardly travels shows nothing. Called before the series are formed.
+void judge_velocity(Study& study);
+/// The velocities of the GNSS log are used neither by the studies nor by the run, unless the user said they are.
+void leave_out_velocities(Study& study, const std::string& why);
 /// Exchanges latitude and longitude if the velocities show that they are swapped. Called before the series are formed.
 void judge_coordinates(Study& study);
 /// Reverses gyros whose signs are inconsistent with the accelerometers' axes, after the fit to the track. True if it did.

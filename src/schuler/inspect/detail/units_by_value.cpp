@@ -135,6 +135,10 @@ void judge_position(LoadedFile& file, std::vector<UnitChange>& changes) {
         for (const double v : file[name]) m = std::max(m, std::isfinite(v) ? std::abs(v) : 0.0);
         return m;
     };
+    if (file.plan.find("lat_deg")->degrees_minutes)
+        file.problem(
+            Level::Info,
+            "latitude and longitude are read as degrees and minutes (ddmm.mmmm): beyond 360, and no minutes of 60 or more", "");
     const double lat = extreme("lat_deg"), lon = extreme("lon_deg");
     double factor = 1.0;
     std::string unit, why;
@@ -192,7 +196,8 @@ double gravity_miss(const ImuSeries& imu, double factor, double& unturned) {
         unturned += (before - after).squaredNorm();
         ++n;
     }
-    if (n == 0) return 0.0;
+    constexpr std::size_t fewest = 20;  // a few turns may be noise
+    if (n < fewest) return unturned = 0.0;
     unturned /= static_cast<double>(n);
     return miss / static_cast<double>(n);
 }
@@ -204,6 +209,7 @@ std::vector<UnitChange> judge_units(LoadedFile& file) {
     judge_accel(file, changes);
     judge_mag(file, changes);
     judge_position(file, changes);
+    if (file.table == io::TableKind::Gnss) judge_receiver_integers(file, changes);
     return changes;
 }
 
@@ -325,6 +331,7 @@ std::vector<UnitChange> judge_gyro_unit(LoadedFile& file, ImuSeries& imu, const 
     const double in_file = factor * name_factor(file, first);
     const char* name = std::abs(in_file - units::deg) < 1e-6                  ? (increments ? "deg" : "deg/s")
                        : std::abs(in_file - 1.0) < 1e-9                       ? (increments ? "rad" : "rad/s")
+                       : std::abs(in_file - 1e-3) < 1e-9                      ? (increments ? "mrad" : "mrad/s")
                        : std::abs(in_file / (1e-3 * units::deg) - 1.0) < 1e-6 ? (increments ? "mdeg" : "mdeg/s")
                                                                               : "other";
     if (stated(file, first)) {

@@ -25,6 +25,10 @@ struct UnitChange {
 /// magnitude are renamed accordingly (recorded in their column map).
 [[nodiscard]] std::vector<UnitChange> judge_units(LoadedFile& file);
 
+/// The lengths and speeds of a table of u-blox navigation solutions (NAV-PVT) as its names and whole numbers show; after the position,
+/// whose unit is in `changes`.
+void judge_receiver_integers(LoadedFile& file, std::vector<UnitChange>& changes);
+
 /// Checks the gyros of an IMU with valid accelerometers: rotation about the vertical compared with the GNSS course, and the
 /// rotation of gravity in sensor axes compared with the integrated rates. Rescales file and series.
 [[nodiscard]] std::vector<UnitChange> judge_gyro_unit(LoadedFile& file, ImuSeries& imu, const GnssSeries& gnss);

@@ -120,7 +120,7 @@ constexpr std::array named_units = {
 constexpr const char* time_stems =
     "time t timestamp time_stamp stamp gps_time gpstime gpst tow gps_tow gpstow time_of_week sow gps_sow gps_seconds gps_sec "
     "sec_of_week i_tow "
-    "seconds_of_week time_gps time_startup time_boot time_since_start time_imu header_stamp itow utc_time time_utc epoch elapsed "
+    "seconds_of_week time_gps time_startup time_boot time_since_start time_imu header_stamp seconds_elapsed elapsed_seconds itow utc_time time_utc epoch elapsed "
     "elapsed_time ts unix_time time_unix unix_timestamp timestamp_unix epoch_time gps_time_of_week sample_time time_sample "
     "| sec secs second seconds s ms us ns timer millis micros";
 
@@ -171,9 +171,10 @@ std::string with_axis(std::string pattern, char axis) {
 }
 
 /// The three components of a vector; '@' represents the axis, '#' its number from 0.
-std::vector<Quantity> three_axes(const std::string& canonical, Dimension dimension, const std::string& stems) {
+std::vector<Quantity> three_axes(const std::string& canonical, Dimension dimension, const std::string& stems, double unit = 1.0) {
     std::vector<Quantity> result;
-    for (const char axis : {'x', 'y', 'z'}) result.push_back({with_axis(canonical, axis), dimension, with_axis(stems, axis)});
+    for (const char axis : {'x', 'y', 'z'})
+        result.push_back({with_axis(canonical, axis), dimension, with_axis(stems, axis), unit});
     return result;
 }
 
@@ -188,6 +189,9 @@ std::vector<Quantity> imu_quantities() {
              three_axes("accel_@_m_s2", D::Acceleration,
                         "accel_@ acc_@ accelerometer_@ acceleration_@ accel@ acc@ @_accel @_acc a@ a_@ f@ f_@ specific_force_@ "
                         "linear_acceleration_@ sf_@ lin_acc_@ a_rs_s_@ accelerometer_m_s2_# uncomp_accel_@"));
+    // MAVLink's RAW_IMU and SCALED_IMU: milliradians per second and thousandths of g
+    q = with(q, three_axes("gyro_@_rad_s", D::Rate, "@gyro", 1e-3));
+    q = with(q, three_axes("accel_@_m_s2", D::Acceleration, "@acc", units::mg));
     q = with(q, three_axes("dtheta_@_rad", D::Angle, "dtheta_@ dth_@ dang_@ delta_theta_@ delta_angle_@ dtheta@ delta_ang_@"));
     q = with(q, three_axes("dv_@_m_s", D::Velocity, "dv_@ dvel_@ delta_v_@ delta_velocity_@ delta_vel_@ dv@ dvel@"));
     return with(q, {{"temperature_c", D::Temperature, "temperature temp imu_temp imu_temperature"}});
@@ -236,11 +240,11 @@ const std::vector<Quantity> baro = with(
                  "baro_press fluid_pressure | p"},
                 {"temperature_c", D::Temperature, "temperature temp baro_temp baro_temperature"}});
 
-const std::vector<Quantity> mag =
-    with(time_only,
-         three_axes(
-             "mag_@_ut", D::Field,
-             "mag_@ mag@ m@ m_@ magnetometer_@ magnetic_field_@ mag_uncal_@ field_@ magnetic_@ b_@ b@ @_mag magnetometer_ga_#"));
+const std::vector<Quantity> mag = with(
+    time_only, with(three_axes("mag_@_ut", D::Field,
+                               "mag_@ mag@ m@ m_@ magnetometer_@ magnetic_field_@ mag_uncal_@ field_@ magnetic_@ b_@ b@ @_mag "
+                               "magnetometer_ga_#"),
+                    three_axes("mag_@_ut", D::Field, "@mag", 0.1)));  // of MAVLink, milligauss
 
 const std::vector<Quantity> reference =
     with(with(time_only, position_and_velocity()),

@@ -48,6 +48,14 @@ std::optional<UnitFactor> factor_of(const Quantity& quantity, const std::string&
     return factor;
 }
 
+/// Applies the sign that a name implies, and its unit where none is stated.
+void apply_implied(const Quantity& quantity, ColumnMatch& match) {
+    const double implied = match.unit_stated ? std::copysign(1.0, quantity.sign) : quantity.sign;
+    match.factor *= implied;
+    match.offset *= implied;
+    if (std::abs(quantity.sign) != 1.0) match.unit_stated = true;
+}
+
 /// Codes after "fix" belong to the name (fix_rtk1fix_2float_5single, fix_3is3d).
 bool is_fix_with_codes(const Quantity& quantity, const Words& words) {
     return quantity.canonical == "fix" && words.size() > 1 && words[0] == "fix" && words[1] != "time" && words[1] != "age";
@@ -164,8 +172,7 @@ std::optional<Candidate> best_for(const Quantity& quantity, const TableLayout& l
             apply_unit(quantity, joined(words_of_name(layout.units[i]), 0, words_of_name(layout.units[i]).size()), c->match);
         if (quantity.dimension == Dimension::Time && !c->match.unit_stated)
             c->match.time_unit = unit_by_size(layout, column, kind == TableKind::Gnss || kind == TableKind::Reference);
-        c->match.factor *= quantity.sign;
-        c->match.offset *= quantity.sign;
+        apply_implied(quantity, c->match);
         c->match.column = column;
         c->match.file_name = layout.names[i];
         // Fixes held at the rate of another instrument repeat their own time rightly.
@@ -212,7 +219,7 @@ ColumnMatch given_match(const TableLayout& layout, TableKind kind, const std::st
         if (q.canonical != canonical) continue;
         if (auto c = recognise(q, words)) {
             match = c->match;
-            match.factor *= q.sign;
+            apply_implied(q, match);
             recognised = true;
             break;
         }
@@ -283,6 +290,38 @@ std::vector<std::string> canonical_names(TableKind kind) {
     return names;
 }
 
+/// Latitudes beyond 360, as which no longitude can be exchanged, whose minutes stay below 60 in every row, with such longitudes:
+/// degrees and minutes. Within four degrees of the equator they do not show.
+static void find_degrees_minutes(ColumnPlan& plan, const TableLayout& layout, const ColumnOverrides& overrides) {
+    constexpr double quarter = 90.0, circle = 360.0, hundred = 100.0, sixty = 60.0;
+    std::array<ColumnMatch*, 2> found{};
+    for (ColumnMatch& match : plan.matches) {
+        if (match.canonical == "lat_deg") found[0] = &match;
+        if (match.canonical == "lon_deg") found[1] = &match;
+    }
+    if (found[0] == nullptr || found[1] == nullptr || overrides.scale.contains("lat_deg") || overrides.scale.contains("lon_deg"))
+        return;
+    std::size_t rows = 0;
+    double lowest = quarter * hundred;
+    for (const std::vector<std::string>& row : layout.sample) {
+        for (std::size_t i = 0; i < 2; ++i) {
+            const auto column = static_cast<std::size_t>(found[i]->column);
+            const double value = column < row.size() ? std::abs(detail::angle_with_hemisphere(row[column])) : not_given;
+            if (std::isnan(value)) continue;
+            if (value >= (i == 0 ? 1.0 : 2.0) * quarter * hundred + hundred || std::fmod(value, hundred) >= sixty) return;
+            if (i == 1 || value == 0.0) continue;
+            lowest = std::min(lowest, value);
+            ++rows;
+        }
+    }
+    if (rows == 0 || lowest <= circle) return;
+    for (ColumnMatch* match : found) {
+        match->degrees_minutes = true;
+        match->unit_stated = true;
+        match->factor = 1.0;
+    }
+}
+
 ColumnPlan match_columns(const TableLayout& layout, TableKind kind, const ColumnOverrides& overrides) {
     ColumnPlan plan;
     plan.kind = kind;
@@ -314,6 +353,7 @@ ColumnPlan match_columns(const TableLayout& layout, TableKind kind, const Column
         match.unit_stated = true;
     }
     detail::find_companions(plan, layout);
+    if (kind == TableKind::Gnss || kind == TableKind::Reference) find_degrees_minutes(plan, layout, overrides);
     for (std::size_t i = 0; i < layout.names.size(); ++i) {
         const int column = static_cast<int>(i);
         const bool used =
@@ -323,8 +363,7 @@ ColumnPlan match_columns(const TableLayout& layout, TableKind kind, const Column
     return plan;
 }
 
-/// Columns named as the estimate of a filter, or truth: not those of a receiver.
-static bool is_estimate(std::string_view name) {
+bool is_estimate(std::string_view name) {
     const std::vector<std::string> words = words_of_name(name);
     static constexpr std::string_view sources[] = {"onboard",   "ahrs",   "ekf",   "est",  "estimate", "estimated",
                                                    "autopilot", "filter", "truth", "true", "ref",      "reference"};
@@ -383,6 +422,12 @@ std::optional<TableKind> guess_table_kind(const TableLayout& layout) {
         attitude =
             !commanded(reference, "qw") && is_rotation(layout, {reference.find("qw")->column, reference.find("qx")->column,
                                                                 reference.find("qy")->column, reference.find("qz")->column});
+    // The derivative of an acceleration is computed, as in the motion file of a simulator, whose accelerations do not show gravity.
+    const bool computed = std::ranges::any_of(layout.names, [](const std::string& name) {
+        const std::vector<std::string> words = words_of_name(name);
+        return std::ranges::find(words, "jerk") != words.end();
+    });
+    if (computed) return std::nullopt;
     if (complete(TableKind::Imu,
                  {"time_s", "gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s", "accel_x_m_s2", "accel_y_m_s2", "accel_z_m_s2"}) ||
         complete(TableKind::Imu,

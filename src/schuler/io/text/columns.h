@@ -41,6 +41,7 @@ struct ColumnMatch {
     HeightKind height = HeightKind::Unstated;  ///< of height columns
     int companion = -1;                        ///< column of the hemisphere (angles) or of the fraction of a second (times)
     TimeUnit companion_unit = TimeUnit::Nanoseconds;  ///< of that fraction
+    bool degrees_minutes = false;                     ///< of angles: 4806.3456 is 48 deg 6.3456 min, as NMEA writes it
 };
 
 /// The request that reads a matched column.
@@ -67,6 +68,9 @@ struct ColumnPlan {
 
 /// The kind of table suggested by the names: the one with all required columns present. nullopt if none is complete.
 [[nodiscard]] std::optional<TableKind> guess_table_kind(const TableLayout& layout);
+
+/// True for columns named as the estimate of a filter, or truth: not those of a receiver.
+[[nodiscard]] bool is_estimate(std::string_view name);
 
 /// The canonical names of a kind of table, in the order of the documentation, including the optional ones.
 [[nodiscard]] std::vector<std::string> canonical_names(TableKind kind);

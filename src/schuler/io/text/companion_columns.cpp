@@ -125,6 +125,7 @@ FieldRequest request_of(const ColumnMatch& match) {
     request.unit = match.time_unit;
     request.companion = match.companion;
     request.companion_unit = match.companion_unit;
+    request.degrees_minutes = match.degrees_minutes;
     request.name = match.file_name;
     return request;
 }

@@ -4,6 +4,7 @@
 #include "schuler/io/text/csv_recording.h"
 #include "schuler/io/text/detail/position_columns.h"
 #include "schuler/io/text/fix_codes.h"
+#include "schuler/io/text/held_rows.h"
 #include "schuler/io/text/idle_velocities.h"
 
 #include <fmt/format.h>
@@ -60,9 +61,10 @@ Geodetic PositionColumns::position(const TableReader& row) const {
     if (std::abs(p.lat) > quarter + 1e-9) {
         throw row.field_error(
             lat_, fmt::format("a latitude of {:.8g} deg", p.lat / units::deg),
-            fmt::format("is it longitude, or in units of 1e-7 deg? write [{0}] columns = {{ lat_deg = ... }} or [{0}] scale = "
-                        "{{ lat_deg = 1e-7, lon_deg = 1e-7 }}",
-                        section_));
+            fmt::format(
+                "is it longitude, in degrees and minutes (ddmm.mmmm), or in units of 1e-7 deg? write [{0}] columns = {{ lat_deg = ... }} or [{0}] scale = "
+                "{{ lat_deg = 1e-7, lon_deg = 1e-7 }}",
+                section_));
     }
     if (std::abs(p.lon) > 4.0 * quarter + 1e-9) {
         throw row.field_error(
@@ -176,6 +178,27 @@ private:
     std::map<std::string, std::size_t> counts_;
 };
 
+/// Fixes written again with every row of a faster log are one fix each.
+void drop_held(std::vector<GnssFix>& fixes, RowAudit& audit) {
+    using detail::same_value, detail::same_vector;
+    std::vector<bool> repeats(fixes.size(), false);
+    for (std::size_t i = 1; i < fixes.size(); ++i) {
+        const GnssFix &a = fixes[i - 1], &b = fixes[i];
+        repeats[i] = a.position.lat == b.position.lat && a.position.lon == b.position.lon &&
+                     same_value(a.position.h, b.position.h) && same_vector(a.velocity_n, b.velocity_n);
+    }
+    const std::vector<std::size_t> held = held_rows(repeats);
+    if (held.empty()) return;
+    std::size_t kept = 0, next = 0;
+    for (std::size_t i = 0; i < fixes.size(); ++i) {
+        if (next < held.size() && held[next] == i) ++next;
+        else fixes[kept++] = fixes[i];
+    }
+    fixes.resize(kept);
+    audit.counts().used = kept;
+    audit.warn("held", "rows that repeat the fix before, which is held over the rows of a faster log: one fix each", held.size());
+}
+
 bool no_position(const Geodetic& p) {
     if (std::isnan(p.lat) && std::isnan(p.lon)) return true;
     return p.lat == 0.0 && p.lon == 0.0;  // written by receivers before their first fix
@@ -240,6 +263,7 @@ GnssTable read_gnss_csv(const TextInput& input, const CsvOptions& options, Warni
         return a.position.lat == b.position.lat && a.position.lon == b.position.lon && a.position.h == b.position.h &&
                detail::same_vector(a.velocity_n, b.velocity_n);
     });
+    drop_held(table.fixes, audit);
     if (has_idle_velocities(table.fixes)) {
         for (GnssFix& fix : table.fixes) fix.velocity_n = not_given3();
         audit.warn("idle_velocity", "velocities that are always zero although the positions travel: left out",

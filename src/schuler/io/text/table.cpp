@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 
@@ -26,6 +27,12 @@ std::size_t last_number_length(const char* start, const char* stop) {
         ++length;
     }
     return length;
+}
+
+/// Degrees times 100 plus minutes; NaN with sixty minutes or more.
+double degrees_of(double value) {
+    const double size = std::abs(value), degrees = std::floor(size / 100.0), minutes = size - 100.0 * degrees;
+    return minutes < 60.0 ? std::copysign(degrees + minutes / 60.0, value) : nan;
 }
 
 const char* without_line_end(const char* start, const char* stop) {
@@ -59,7 +66,7 @@ TableReader::TableReader(const TextInput& input, const TableLayout& layout, std:
     texts_.resize(requests_.size());
     for (std::size_t i = 0; i < requests_.size(); ++i) {
         const FieldRequest& r = requests_[i];
-        slots_.push_back({r.kind, r.unit, r.factor != 1.0 || r.offset != 0.0, r.factor, r.offset});
+        slots_.push_back({r.kind, r.unit, r.factor != 1.0 || r.offset != 0.0, r.factor, r.offset, r.degrees_minutes});
         if (r.column < 0) continue;
         const auto column = static_cast<std::size_t>(r.column);
         if (field_of_column_.size() <= column) field_of_column_.resize(column + 1, -1);
@@ -91,6 +98,8 @@ bool TableReader::next() {
         if (!skip) {
             problem_field_ = -1;
             p = read_row(delimiter_ == '\t' ? start : p);
+            for (std::size_t i = 0; i < slots_.size(); ++i)
+                if (slots_[i].degrees_minutes) numbers_[i] = slots_[i].factor * degrees_of(numbers_[i] / slots_[i].factor);
             if (!companions_.empty()) complete();
         }
         if (*p != '\n') p = static_cast<const char*>(std::memchr(p, '\n', static_cast<std::size_t>(end_ - p)));

@@ -53,6 +53,7 @@ struct FieldRequest {
     std::string name;    ///< used in messages
     int companion = -1;  ///< column of the letter of the hemisphere of an Angle, or of the fraction of a Time in whole seconds
     TimeUnit companion_unit = TimeUnit::Nanoseconds;  ///< of that fraction
+    bool degrees_minutes = false;                     ///< an Angle of whole degrees times 100 and minutes
 };
 
 /// Reads the requested columns row by row. Numbers are the nearest doubles; times are exact nanoseconds. A field of an optional
@@ -88,6 +89,7 @@ private:
         TimeUnit unit;
         bool scaled;
         double factor, offset;
+        bool degrees_minutes;
     };
     bool next_block();
     const char* read_row(const char* p);

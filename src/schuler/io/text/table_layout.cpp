@@ -78,12 +78,13 @@ double numeric_share(const std::vector<Line>& rows, std::size_t first, char deli
 
 /// The delimiter for which most fields are numbers; of equals the one with more fields.
 char find_delimiter(const std::vector<Line>& rows) {
-    const std::size_t first = rows.size() > 1 ? 1 : 0;  // the first line may be a header
+    const std::size_t first = rows.size() > 1 ? 1 : 0;             // the first line may be a header
+    const std::size_t typical = std::max(first, rows.size() / 2);  // and some more a preamble
     char best = ',';
     double best_share = -1.0;
     std::size_t best_count = 0;
     for (const char candidate : {';', ',', '\t', ' '}) {
-        const std::size_t count = split_fields(rows[first].text, candidate).size();
+        const std::size_t count = split_fields(rows[typical].text, candidate).size();
         const double share = count > 1 ? numeric_share(rows, first, candidate) : -0.5;
         if (share > best_share + 1e-9 || (share > best_share - 1e-9 && count > best_count)) {
             best = candidate;
@@ -144,6 +145,23 @@ std::optional<std::vector<std::string>> header_in_comment(const std::string& com
 
 void drop_trailing_empty(std::vector<std::string>& names) {
     while (!names.empty() && names.back().empty()) names.pop_back();
+}
+
+/// Lines of text above the header that are no columns (the logger's version, the time of the start): the header is then the first
+/// line with as many names as most lines have fields. They count as comments.
+void set_preamble_aside(FirstLines& first, char delimiter) {
+    std::vector<std::vector<std::string>> fields;
+    for (const Line& row : first.rows) fields.push_back(split_fields(row.text, delimiter));
+    const int usual = usual_count(fields);
+    constexpr std::size_t fewest_rows = 2, longest = 30;
+    const auto has_usual = [&](std::size_t i) { return static_cast<int>(fields[i].size()) == usual; };
+    std::size_t header = 0;
+    while (header < fields.size() && header < longest && !has_usual(header)) ++header;
+    if (header == 0 || header + fewest_rows > fields.size() || usual < 2 || header == longest) return;
+    const FieldCensus names = census(fields[header]);
+    if (names.numeric > 0 || names.text != fields[header].size() || census(fields[header + 1]).numeric == 0) return;
+    first.comments.insert(first.comments.end(), first.rows.begin(), first.rows.begin() + static_cast<std::ptrdiff_t>(header));
+    first.rows.erase(first.rows.begin(), first.rows.begin() + static_cast<std::ptrdiff_t>(header));
 }
 
 /// Header and line of units; returns the index of the first data line among the rows.
@@ -227,12 +245,13 @@ TableLayout inspect_table(const TextInput& input) {
     layout.compressed = blocks.compressed();
     if (!blocks.next())
         throw input_error("is empty", place_in(input.name()), "check that the log was written and copied completely");
-    const FirstLines first = first_lines(blocks, input.name());
-    for (const Line& c : first.comments) layout.comments.push_back(c.text);
+    FirstLines first = first_lines(blocks, input.name());
     if (first.rows.empty())
         throw input_error("has no data, only blank lines or comments", place_in(input.name()), "check that it is the right file");
 
     layout.delimiter = find_delimiter(first.rows);
+    set_preamble_aside(first, layout.delimiter);
+    for (const Line& c : first.comments) layout.comments.push_back(c.text);
     const std::size_t data = read_header(first, layout);
     double bytes = 0.0;
     for (std::size_t i = data; i < first.rows.size() && layout.sample.size() < sample_lines; ++i) {

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
 #include <system_error>
 
@@ -29,6 +30,43 @@ TextInput TextInput::memory(std::string_view content, std::string display_name) 
     return input;
 }
 
+std::string utf8_of_utf16(std::string_view bytes) {
+    std::string text;
+    if (bytes.size() < 2) return text;
+    const bool big_endian = static_cast<unsigned char>(bytes[0]) == 0xfe;
+    const auto unit = [&](std::size_t i) {
+        const auto first = static_cast<unsigned char>(bytes[i]), second = static_cast<unsigned char>(bytes[i + 1]);
+        return static_cast<std::uint32_t>(big_endian ? first << 8U | second : second << 8U | first);
+    };
+    const auto put = [&](std::uint32_t byte) { text += static_cast<char>(byte); };
+    const auto continued = [&](std::uint32_t code, unsigned shift) { put(0x80U | (code >> shift & 0x3fU)); };
+    for (std::size_t i = 2; i + 1 < bytes.size(); i += 2) {
+        std::uint32_t code = unit(i);
+        if (code >= 0xd800U && code < 0xdc00U && i + 3 < bytes.size()) {  // a pair of surrogates
+            code = 0x10000U + ((code - 0xd800U) << 10U) + ((unit(i + 2) - 0xdc00U) & 0x3ffU);
+            i += 2;
+        }
+        if (code < 0x80U) {
+            put(code);
+        } else if (code < 0x800U) {
+            put(0xc0U | code >> 6U);
+            continued(code, 0);
+        } else if (code < 0x10000U) {
+            put(0xe0U | code >> 12U);
+            continued(code, 6);
+            continued(code, 0);
+        } else {
+            put(0xf0U | code >> 18U);
+            continued(code, 12);
+            continued(code, 6);
+            continued(code, 0);
+        }
+    }
+    return text;
+}
+
+bool is_utf16(std::string_view bytes) { return bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff"); }
+
 /// Source of the bytes.
 struct LineBlocks::Source {
     std::string name;
@@ -36,6 +74,7 @@ struct LineBlocks::Source {
     gzFile gz = nullptr;
     std::string_view memory;
     std::size_t size = 0;
+    std::string converted;  // of UTF-16; `memory` is a view of it
 
     explicit Source(const TextInput& input) : name(input.name()) {
         if (input.in_memory()) {
@@ -62,12 +101,29 @@ struct LineBlocks::Source {
         struct stat status {};
         if (fstat(fd, &status) == 0) size = static_cast<std::size_t>(status.st_size);
         unsigned char magic[2] = {0, 0};
-        if (size >= 2 && pread(fd, magic, 2, 0) == 2 && magic[0] == 0x1f && magic[1] == 0x8b) {
+        const bool has_magic = size >= 2 && pread(fd, magic, 2, 0) == 2;
+        if (has_magic && is_utf16({reinterpret_cast<const char*>(magic), 2})) convert_utf16();
+        if (has_magic && magic[0] == 0x1f && magic[1] == 0x8b) {
             gz = gzdopen(fd, "rb");
             if (gz == nullptr) throw computation_error(fmt::format("{}: no memory to decompress", name));
             fd = -1;  // closed by gzclose
             gzbuffer(gz, 256 * 1024);
         }
+    }
+
+    /// The whole file as UTF-8, in memory.
+    void convert_utf16() {
+        constexpr std::size_t largest = std::size_t{1} << 30U;
+        if (size > largest)
+            throw input_error("is UTF-16 text of more than a gigabyte", place_in(name, 1), "save it as UTF-8 or plain text");
+        std::string bytes(size, '\0');
+        std::size_t filled = 0;
+        for (std::size_t n = 1; n > 0 && filled < size; filled += n) n = read_some(bytes.data() + filled, size - filled);
+        bytes.resize(filled);
+        close(fd);
+        fd = -1;
+        converted = utf8_of_utf16(bytes);
+        memory = converted;
     }
 
     /// Up to `count` bytes; 0 at the end.

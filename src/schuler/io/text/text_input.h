@@ -29,9 +29,14 @@ private:
     bool in_memory_ = false;
 };
 
+/// True for text that begins with the byte order mark of UTF-16, either order.
+[[nodiscard]] bool is_utf16(std::string_view bytes);
+/// Such text as UTF-8, without the mark; a half of a pair of surrogates becomes what it may.
+[[nodiscard]] std::string utf8_of_utf16(std::string_view bytes);
+
 /// Delivers the input in blocks of whole lines, each terminated by '\n' (preceding carriage returns are kept; files with carriage
 /// returns only are converted). At least `padding` readable bytes follow each block, so that scanners may look ahead without
-/// checking. A byte order mark is skipped.
+/// checking. A byte order mark is skipped; files of UTF-16 are converted.
 class LineBlocks {
 public:
     static constexpr std::size_t padding = 64;
@@ -42,7 +47,7 @@ public:
     LineBlocks(const LineBlocks&) = delete;
     LineBlocks& operator=(const LineBlocks&) = delete;
 
-    /// Moves on to the next block; false at the end of the input. Throws Error(Input) on binary content (zero bytes, UTF-16), a
+    /// Moves on to the next block; false at the end of the input. Throws Error(Input) on binary content (zero bytes), a
     /// line over 16 MB, a damaged or truncated gz file, a read error.
     [[nodiscard]] bool next();
     [[nodiscard]] const char* begin() const { return buffer_.data(); }

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 namespace schuler::io::detail {
 
@@ -50,9 +51,64 @@ struct MinuteAndRest {
     return t;
 }
 
+/// Days since 1970 of a date of ten characters or fewer: year first, or year last where one of the other two cannot be a month, or
+/// `month_first` is known.
+[[nodiscard]] inline std::optional<std::int64_t> days_of_date(std::string_view text, bool month_first) {
+    const std::size_t first = text.find_first_of("-/."), second = text.find_first_of("-/.", first + 1);
+    if (first == std::string_view::npos || second == std::string_view::npos || text[first] != text[second]) return std::nullopt;
+    const auto a = small_integer(text.substr(0, first)), b = small_integer(text.substr(first + 1, second - first - 1)),
+               c = small_integer(text.substr(second + 1));
+    if (!a || !b || !c) return std::nullopt;
+    int year = *c, month = *a, day = *b;
+    constexpr int months = 12;
+    if (first == 4) {
+        year = *a;
+        month = *b;
+        day = *c;
+    } else if (text.size() - second != 5 || (!month_first && *a <= months && *b <= months && *a != *b)) {
+        return std::nullopt;  // the order does not show
+    } else if (!month_first && *a > months) {
+        std::swap(month, day);
+    }
+    if (!is_date(year, month, day)) return std::nullopt;
+    using namespace std::chrono;
+    return sys_days(std::chrono::year{year} / month / day).time_since_epoch().count();
+}
+
+/// Hours of the day from those of a clock of twelve.
+[[nodiscard]] inline int hour_of_twelve(int hour, bool afternoon) { return hour % 12 + (afternoon ? 12 : 0); }
+
+/// A field such as "5/1/2024 1:59:00.5 PM" or "13/5/2024 14:00:00": the forms of spreadsheets, as calendar_nanoseconds.
+[[nodiscard]] inline std::optional<std::int64_t> spreadsheet_nanoseconds(std::string_view text) {
+    bool twelve = false, afternoon = false;
+    if (text.size() > 3 && (text.back() == 'M' || text.back() == 'm')) {
+        const char half = text[text.size() - 2];
+        afternoon = half == 'P' || half == 'p';
+        if (!afternoon && half != 'A' && half != 'a') return std::nullopt;
+        twelve = true;
+        text = trimmed(text.substr(0, text.size() - 2));
+    }
+    std::int64_t days = 0;
+    const std::size_t blank = text.find_first_of(" T");
+    if (blank != std::string_view::npos) {
+        const auto date = days_of_date(text.substr(0, blank), twelve);
+        if (!date) return std::nullopt;
+        days = *date;
+        text = trimmed(text.substr(blank + 1));
+    } else if (!twelve) {
+        return std::nullopt;
+    }
+    const std::size_t first = text.find(':'), second = text.find(':', first + 1);
+    if (first == std::string_view::npos || second == std::string_view::npos) return std::nullopt;
+    const auto t = time_of_day(text.substr(0, first), text.substr(first + 1, second - first - 1), text.substr(second + 1));
+    if (!t || (twelve && (t->hour < 1 || t->hour > 12))) return std::nullopt;
+    const int hour = twelve ? hour_of_twelve(t->hour, afternoon) : t->hour;
+    return ((days * 24 + hour) * 60 + t->minute) * 60 * ns_per_second + t->rest_ns;
+}
+
 /// A field such as "2024-05-01T12:00:00.125Z", "2024/05/01 14:00:00+02:00" or "12:00:00.5": nanoseconds since 1970, UTC, counted
 /// without leap seconds; since midnight if there is no date.
-[[nodiscard]] inline std::optional<std::int64_t> calendar_nanoseconds(std::string_view text) {
+[[nodiscard]] inline std::optional<std::int64_t> standard_nanoseconds(std::string_view text) {
     std::int64_t days = 0;
     if (text.size() > 10 && (text[4] == '-' || text[4] == '/') && text[7] == text[4] && (text[10] == 'T' || text[10] == ' ')) {
         const auto y = small_integer(text.substr(0, 4)), m = small_integer(text.substr(5, 2)),
@@ -77,6 +133,12 @@ struct MinuteAndRest {
     const auto t = time_of_day(text.substr(0, 2), text.substr(3, 2), text.substr(6));
     if (!t) return std::nullopt;
     return ((days * 24 + t->hour) * 60 + t->minute - offset_minutes) * 60 * ns_per_second + t->rest_ns;
+}
+
+/// The standard forms, and those of spreadsheets.
+[[nodiscard]] inline std::optional<std::int64_t> calendar_nanoseconds(std::string_view text) {
+    const auto ns = standard_nanoseconds(text);
+    return ns ? ns : spreadsheet_nanoseconds(text);
 }
 
 }  // namespace schuler::io::detail

@@ -18,7 +18,7 @@ struct Quantity {
     std::string canonical;
     Dimension dimension;
     std::string stems;
-    double sign = 1.0;
+    double sign = 1.0;  ///< or the unit that the name implies
     HeightKind height = HeightKind::Unstated;
 };
 

@@ -1,0 +1,147 @@
+"""Logs as strangers have them: columns of other units, logs in parts, files that nobody asked for. What is not used is told."""
+import csv
+import datetime
+import json
+import subprocess
+from pathlib import Path
+
+from facts_test import facts_of, rms, simulated, summary_of
+from program_test import check, main
+
+OUTAGES = ["--outage", "60:10,85:10,110:10", "--outputs", "summary"]
+
+
+def table_of(path):
+    with open(path, newline="") as file:
+        rows = list(csv.reader(file))
+    return rows[0], rows[1:]
+
+
+def write_table(path, header, rows):
+    path.write_text("\n".join(",".join(row) for row in [header, *rows]) + "\n")
+
+
+def strangers_velocity(program, source):
+    """Velocities in another unit, order or sign: found, used, told; as good as the log as it was."""
+    folder = Path(program.folder)
+    simulated(program, folder)
+    log = folder / "logs/gnss.csv"
+    header, rows = table_of(log)
+    bare = rms(summary_of(program, "logs", "-o", "bare", *OUTAGES)["outages"])
+    places = [header.index(name) for name in ("vel_n_m_s", "vel_e_m_s", "vel_d_m_s")]
+    cases = {"kilometres per hour": lambda n, e, d: (3.6 * n, 3.6 * e, 3.6 * d),
+             "millimetres per second": lambda n, e, d: (1e3 * n, 1e3 * e, 1e3 * d),
+             "exchanged": lambda n, e, d: (e, n, d),
+             "reversed": lambda n, e, d: (-n, -e, -d)}
+    for name, change in cases.items():
+        changed = [list(row) for row in rows]
+        for row in changed:
+            for place, value in zip(places, change(*(float(row[place]) for place in places))):
+                row[place] = repr(value)
+        write_table(log, header, changed)
+        summary = summary_of(program, "logs", "-o", name, *OUTAGES)
+        got = rms(summary["outages"])
+        check(got < 1.1 * bare + 0.05, f"{name}: {got:.3f} m, as they were {bare:.3f} m")
+        check(any("velocities do not agree with the positions" in text for text in summary["warnings"]), f"{name}: {summary['warnings']}")
+        key = "gnss.columns" if name == "exchanged" else "gnss.scale"
+        check(facts_of(summary)[key]["how"] == "found", f"{name}: {key} is found")
+    for row, original in zip(changed, rows):
+        for place in places:
+            row[place] = repr(float(original[place]) / 0.7)
+    write_table(log, header, changed)
+    summary = summary_of(program, "logs", "-o", "odd", *OUTAGES[:2])
+    check(facts_of(summary)["gnss.use_velocity"]["value"] is False, "velocities of no unit are not used")
+    check(any("any known unit" in text for text in summary["warnings"]), f"{summary['warnings']}")
+    got = rms(summary["outages"])
+    check(got < 3.0 * bare + 0.5, f"with positions alone: {got:.3f} m, with velocities {bare:.3f} m")
+    again = summary_of(program, "logs", "-o", "again", *OUTAGES, "--config", "odd/config.toml")
+    check(rms(again["outages"]) == got and not any(entry["key"].startswith("gnss.") for entry in again["ignored"]),
+          f"the run repeats: {again['ignored']}")
+    write_table(log, header, [[repr(3.6 * float(v)) if i in places else v for i, v in enumerate(row)] for row in rows])
+    given = ["--set", "gnss.scale={vel_n_m_s=1,vel_e_m_s=1,vel_d_m_s=1}"]
+    done = subprocess.run([program.path, "process", "logs", "-o", "given", *OUTAGES, *given, "--json"], cwd=folder, capture_output=True, check=False)
+    check(done.returncode == 1, f"given and wrong: the result is refused, exit status {done.returncode}")
+    summary = json.loads(done.stdout)
+    check(any("contradict gnss.scale" in text and "km/h" in text for text in summary["warnings"]), f"given and wrong: {summary['warnings']}")
+
+
+def warned(summary, *parts):
+    check(any(all(part in text for part in parts) for text in summary["warnings"]), f"{parts}: {summary['warnings']}")
+
+
+def strangers_tables(program, source):
+    """Tables of other programs are read as what they are, with the result of the plain ones."""
+    folder = Path(program.folder)
+    simulated(program, folder)
+    imu_header, imu = table_of(folder / "logs/imu.csv")
+    gnss_header, gnss = table_of(folder / "logs/gnss.csv")
+    bare = rms(summary_of(program, "logs", "-o", "bare", *OUTAGES)["outages"])
+    began = datetime.datetime(2024, 5, 13, 11, 58, 30)
+
+    def clock(row):
+        return (began + datetime.timedelta(seconds=float(row[0]))).strftime("%m/%d/%Y %I:%M:%S.%f %p")
+
+    def minutes(degrees):
+        whole = int(float(degrees))
+        return f"{whole * 100 + (float(degrees) - whole) * 60:.8f}"
+
+    def logs(name, imu_rows, gnss_rows, preamble="", encoding="utf-8", header=gnss_header):
+        (folder / name).mkdir()
+        for file, names, rows in (("imu.csv", imu_header, imu_rows), ("gnss.csv", header, gnss_rows)):
+            text = preamble + "\n".join(",".join(row) for row in [names, *rows]) + "\n"
+            (folder / name / file).write_text(text, encoding=encoding)
+
+    logs("preamble", imu, gnss, preamble="Logger v2.3\nStart: 2024-05-13 11:58\nDevice,X\n")
+    logs("utf16", imu, gnss, encoding="utf-16")
+    logs("halves", [[clock(row), *row[1:]] for row in imu], [[clock(row), *row[1:]] for row in gnss])
+    logs("minutes", imu, [[row[0], minutes(row[1]), minutes(row[2]), *row[3:]] for row in gnss],
+         header=[gnss_header[0], "latitude", "longitude", *gnss_header[3:]])
+    for held in (False, True):
+        table, at = [], 0
+        for row in imu:
+            fresh = False
+            while at + 1 < len(gnss) and float(gnss[at + 1][0]) <= float(row[0]) + 1e-9:
+                at, fresh = at + 1, True
+            table.append(row + (gnss[at][1:] if held or fresh else [""] * len(gnss[at][1:])))
+        name = "held" if held else "blank"
+        (folder / name).mkdir()
+        write_table(folder / name / "log.csv", imu_header + gnss_header[1:], table)
+    for name in ("preamble", "utf16", "halves", "minutes", "blank", "held"):
+        got = rms(summary_of(program, name, "-o", f"{name}_out", *OUTAGES)["outages"])
+        check(got < 1.3 * bare + 0.1, f"{name}: {got:.3f} m, plain {bare:.3f} m")
+
+    # a telephone's tables: rates and accelerations, 3 ms apart, of the same increments
+    (folder / "phone").mkdir()
+    step = float(imu[1][0]) - float(imu[0][0])
+    for file, first, late in (("Gyroscope.csv", 1, 0.0), ("Accelerometer.csv", 4, 0.003)):
+        rows = [[f"{float(row[0]) - 0.5 * step + late:.4f}", *(f"{float(row[first + axis]) / step:.9f}" for axis in (2, 1, 0))] for row in imu]
+        write_table(folder / "phone" / file, ["seconds_elapsed", "z", "y", "x"], rows)
+    write_table(folder / "phone/gnss.csv", gnss_header, gnss)
+    summary = summary_of(program, "phone", "-o", "phone_out", *OUTAGES)
+    got = rms(summary["outages"])
+    check(facts_of(summary)["imu.file"]["value"] == "Gyroscope.csv#imu", "both tables are one log")
+    check(got < 3.0 * bare + 1.0, f"telephone: {got:.3f} m, plain {bare:.3f} m")
+
+
+def strangers_told(program, source):
+    """What is given or lies in the folder and has no effect is told."""
+    folder = Path(program.folder)
+    simulated(program, folder)
+    header, rows = table_of(folder / "logs/imu.csv")
+    summary = summary_of(program, "logs", "-o", "outage", "--outage", "5000:10", "--set", 'gnss.fix_codes={"9"="none"}', "--outputs", "summary")
+    warned(summary, "the outage of 10 s at 5000 s has no effect")
+    warned(summary, "gnss.fix_codes: 9 does not occur in gnss.csv")
+    (folder / "logs/imu.csv").unlink()
+    write_table(folder / "logs/imu_1.csv", header, rows[:len(rows) // 2])
+    write_table(folder / "logs/imu_2.csv", header, rows[len(rows) // 2:])
+    warned(summary_of(program, "logs", "-o", "parts", "--outputs", "summary"), "imu_2.csv continues imu_1.csv", "not used")
+    serial = folder / "serial"
+    serial.mkdir()
+    for name in ("imu_1.csv", "gnss.csv"):
+        header, rows = table_of(folder / "logs" / name)
+        write_table(serial / name, header, [[f"{45413 + (43000 + float(row[0])) / 86400:.10f}", *row[1:]] for row in rows])
+    program.fails("process", "serial", "-o", "x", parts=["serial dates of a spreadsheet", "86400"])
+
+
+if __name__ == "__main__":
+    main({"strangers_velocity": strangers_velocity, "strangers_tables": strangers_tables, "strangers_told": strangers_told})

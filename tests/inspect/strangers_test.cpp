@@ -1,0 +1,200 @@
+// Recordings in parts, in one table, too short: what is not used is told, what can be read is.
+#include "inspect/report_queries.h"
+#include "inspect/synthetic_car.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <string>
+#include <vector>
+
+namespace schuler::inspect::test {
+namespace {
+
+std::vector<std::string> lines_of(const std::filesystem::path& path) {
+    std::ifstream in(path);
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(in, line);) lines.push_back(line);
+    return lines;
+}
+void write_lines(const std::filesystem::path& path, const std::vector<std::string>& lines) {
+    std::string text;
+    for (const std::string& line : lines) text += line + "\n";
+    write_file(path, text);
+}
+bool has_doubt(const InspectReport& report, const std::string& text) {
+    return std::ranges::any_of(report.doubts, [&](const std::string& d) { return d.find(text) != std::string::npos; });
+}
+
+TEST(Strangers, TheOtherPartOfALogIsTold) {
+    const auto folder = fresh_folder("parts");
+    write_car(folder, {});
+    const std::vector<std::string> all = lines_of(folder / "imu.csv");
+    const auto half = all.begin() + 6001;
+    write_lines(folder / "imu_1.csv", {all.begin(), half});
+    std::vector<std::string> second{all.front()};
+    second.insert(second.end(), half, all.end());
+    write_lines(folder / "imu_2.csv", second);
+    std::filesystem::remove(folder / "imu.csv");
+    const InspectReport r = inspect(folder);
+    EXPECT_TRUE(sets(r, "imu.file = \"imu_1.csv\""));
+    EXPECT_TRUE(has_doubt(r, "imu_2.csv continues imu_1.csv"));
+    EXPECT_TRUE(has_problem(r, Level::Warning, "imu_2.csv continues imu_1.csv"));
+}
+
+TEST(Strangers, ASecondUnitIsNoOtherPart) {
+    const auto folder = fresh_folder("second_unit");
+    write_car(folder, {});
+    std::filesystem::copy_file(folder / "imu.csv", folder / "imu_2.csv");
+    const InspectReport r = inspect(folder);
+    EXPECT_TRUE(r.doubts.empty()) << r.doubts.front();
+    EXPECT_TRUE(has_problem(r, Level::Info, "could be [imu] as well"));
+}
+
+/// One table of both instruments; the cells of the fixes are blank between them, or hold the last one.
+TEST(Strangers, OneTableOfImuAndFixes) {
+    for (const bool held : {false, true}) {
+        const auto folder = fresh_folder(held ? "one_table_held" : "one_table_blank");
+        write_car(folder, {});
+        const std::vector<std::string> imu = lines_of(folder / "imu.csv"), gnss = lines_of(folder / "gnss.csv");
+        std::vector<std::string> table{imu[0] + gnss[0].substr(gnss[0].find(','))};
+        std::size_t fix = 0;
+        for (std::size_t i = 1; i < imu.size(); ++i) {
+            bool fresh = false;
+            while (fix + 1 < gnss.size() && std::atof(gnss[fix + 1].c_str()) <= std::atof(imu[i].c_str()) + 1e-6) {
+                ++fix;
+                fresh = true;
+            }
+            table.push_back(imu[i] + (held || fresh ? gnss[fix].substr(gnss[fix].find(',')) : std::string(",,,,,,")));
+        }
+        std::filesystem::remove(folder / "imu.csv");
+        std::filesystem::remove(folder / "gnss.csv");
+        write_lines(folder / "log.csv", table);
+        const InspectReport r = inspect(folder);
+        EXPECT_TRUE(sets(r, "imu.file = \"log.csv\"")) << r.dataset_toml;
+        EXPECT_TRUE(sets(r, "gnss.file = \"log.csv\""));
+        EXPECT_EQ(value_of(r, "imu.axes"), "frd");
+        EXPECT_EQ(value_of(r, "vehicle.kind"), "car");
+        const auto fixes = std::ranges::find(r.files, "gnss", &FileReport::kind);
+        ASSERT_NE(fixes, r.files.end());
+        EXPECT_NEAR(fixes->rate_hz, 5.0, 0.01);
+        EXPECT_GE(fixes->rows, 490U);
+        EXPECT_LE(fixes->rows, 600U);
+        EXPECT_NEAR(number_of(r, "gnss.latency_s"), 0.0, 0.03);
+    }
+}
+
+/// The solution of a navigation system in the table of its IMU: circular if it were taken for fixes.
+TEST(Strangers, PositionsOfEverySampleAreNoFixes) {
+    const auto folder = fresh_folder("own_solution");
+    CarLog car;
+    car.gnss_rate = car.imu_rate;
+    write_car(folder, car);
+    const std::vector<std::string> imu = lines_of(folder / "imu.csv"), gnss = lines_of(folder / "gnss.csv");
+    ASSERT_EQ(imu.size(), gnss.size());
+    std::vector<std::string> table;
+    for (std::size_t i = 0; i < imu.size(); ++i) table.push_back(imu[i] + gnss[i].substr(gnss[i].find(',')));
+    std::filesystem::remove(folder / "imu.csv");
+    std::filesystem::remove(folder / "gnss.csv");
+    write_lines(folder / "log.csv", table);
+    const InspectReport r = inspect(folder);
+    EXPECT_EQ(fact(r, "gnss.file"), nullptr);
+    EXPECT_TRUE(has_problem(r, Level::Warning, "has positions at 100 Hz, as a navigation system computes them"));
+}
+
+/// A log of the receiver itself is preferred to what the table of the IMU repeats of it.
+TEST(Strangers, TheReceiversOwnLogIsPreferred) {
+    const auto folder = fresh_folder("own_log_preferred");
+    CarLog car;
+    car.write_velocity = false;
+    car.gnss_header = "time_s,lat_deg,lon_deg,height_m,std_n_m,std_e_m,std_d_m";
+    write_car(folder, car);
+    std::vector<std::string> imu = lines_of(folder / "imu.csv");
+    const std::vector<std::string> gnss = lines_of(folder / "gnss.csv");
+    for (std::size_t i = 0; i < imu.size(); ++i) {
+        const std::string& fix = gnss[i == 0 ? 0 : 1 + (i - 1) / 20];
+        imu[i] += fix.substr(fix.find(','), fix.rfind(',', fix.rfind(',') - 1) - fix.find(','));
+    }
+    write_lines(folder / "a_imu.csv", imu);
+    std::filesystem::remove(folder / "imu.csv");
+    const InspectReport r = inspect(folder);
+    EXPECT_TRUE(sets(r, "imu.file = \"a_imu.csv\"")) << r.dataset_toml;
+    EXPECT_TRUE(sets(r, "gnss.file = \"gnss.csv\""));
+}
+
+TEST(Strangers, GivenFixCodesThatDoNotOccurAreTold) {
+    const auto folder = fresh_folder("codes");
+    write_car(folder, {});
+    std::vector<std::string> gnss = lines_of(folder / "gnss.csv");
+    for (std::size_t i = 0; i < gnss.size(); ++i) gnss[i] += i == 0 ? ",fix" : ",4";
+    write_lines(folder / "gnss.csv", gnss);
+    Given given;
+    given.keys = {"gnss.fix_codes"};
+    given.fix_codes = {{"4", "rtk_fixed"}, {"9", "none"}};
+    const InspectReport r = inspect(folder, given);
+    EXPECT_TRUE(has_doubt(r, "gnss.fix_codes: 9 does not occur in gnss.csv, which has 4"));
+    given.fix_codes = {{"4", "rtk_fixed"}};
+    EXPECT_TRUE(inspect(folder, given).doubts.empty());
+}
+
+TEST(Strangers, OtherInstrumentsInTheTableAreTold) {
+    const auto folder = fresh_folder("others");
+    write_car(folder, {});
+    std::vector<std::string> imu = lines_of(folder / "imu.csv");
+    for (std::size_t i = 0; i < imu.size(); ++i)
+        imu[i] += i == 0 ? ",mag_x,mag_y,mag_z,pressure_hpa,wheel_speed_m_s,yaw_deg" : ",20.1,3.2,40.5,1009.2,7.1,33.0";
+    write_lines(folder / "imu.csv", imu);
+    const InspectReport r = inspect(folder);
+    EXPECT_TRUE(has_problem(r, Level::Info, "a magnetometer too, which are not used: mag_x, mag_y, mag_z"));
+    EXPECT_TRUE(has_problem(r, Level::Info, "a barometer too, which are not used: pressure_hpa"));
+    EXPECT_TRUE(has_problem(r, Level::Info, "an odometer's, which are not used: wheel_speed_m_s"));
+    EXPECT_TRUE(has_problem(r, Level::Info, "look like headings, which are not used: yaw_deg"));
+    EXPECT_TRUE(r.doubts.empty());
+    // as the hint says: named for the magnetometer, the table is that of the IMU all the same
+    Given given;
+    given.keys = {"mag.file"};
+    given.mag.path = folder / "imu.csv";
+    given.mag.name = "imu.csv";
+    const InspectReport both = inspect(folder, given);
+    EXPECT_TRUE(sets(both, "imu.file = \"imu.csv\"")) << both.dataset_toml;
+    EXPECT_NEAR(number_of(both, "mag.norm"), 45.3, 0.1);
+}
+
+TEST(Strangers, SerialDatesAreRefusedWithTheirName) {
+    const auto folder = fresh_folder("serial");
+    CarLog car;
+    car.time_factor = 1.0 / 86400.0;
+    car.imu_start = car.gnss_start = 45413.0 * 86400.0 + 1000.0;
+    write_car(folder, car);
+    for (const char* name : {"imu.csv", "gnss.csv"}) {  // as many digits as a spreadsheet writes
+        std::vector<std::string> rows = lines_of(folder / name);
+        const double rate = name[0] == 'i' ? car.imu_rate : car.gnss_rate;
+        for (std::size_t i = 1; i < rows.size(); ++i)
+            rows[i] = fmt::format("{:.10f}{}", 45413.0 + (1000.0 + static_cast<double>(i - 1) / rate) / 86400.0,
+                                  rows[i].substr(rows[i].find(',')));
+        write_lines(folder / name, rows);
+    }
+    const InspectReport r = inspect(folder);
+    ASSERT_TRUE(r.refusal.has_value());
+    EXPECT_NE(r.refusal->text.find("serial dates of a spreadsheet"), std::string::npos);
+    EXPECT_EQ(r.refusal->file, "imu.csv");
+}
+
+TEST(Strangers, TooShortIsSaid) {
+    const auto folder = fresh_folder("short");
+    CarLog car;
+    car.duration = 6.0;
+    write_car(folder, car);
+    const InspectReport r = inspect(folder);
+    EXPECT_TRUE(has_doubt(r, "too short"));
+    EXPECT_TRUE(std::isnan(number_of(r, "imu.scale.gyro_rad_s"))) << "no unit is refuted by so little";
+    car.duration = 120.0;
+    write_car(folder, car);
+    EXPECT_FALSE(has_doubt(inspect(folder), "too short"));
+}
+
+}  // namespace
+}  // namespace schuler::inspect::test
