@@ -1,6 +1,7 @@
 #include "schuler/solution/stated_check.h"
 
 #include "schuler/core/units.h"
+#include "schuler/filter/states/inertial_filter.h"
 #include "schuler/fusion/run_filter.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/solution/loaded_dataset.h"
@@ -79,7 +80,10 @@ std::optional<LeverArmDoubt> doubt_of_lever_arm(const LoadedDataset& data, const
         const Vector3d off = (doubt.found_b - doubt.given_b).cwiseAbs();
         return ((off.array() > sigmas * doubt.std_b.array()) && (off.array() > metres)).any();
     };
-    constexpr double centimetres = 0.05;  // m: latencies and the times of a receiver's averages act along the track likewise
+    double speed = 0.0;  // m/s, root mean square
+    for (const SolutionRow& row : result.forward.rows)
+        speed += row.v_eb_n.squaredNorm() / static_cast<double>(result.forward.rows.size());
+    speed = std::sqrt(speed);
     constexpr int walks = 3;
     constexpr double settled = 0.5;             // m, half the initial sigma of the state
     constexpr double known = 3.0 * units::deg;  // a lever arm turned by the error of the heading is another one
@@ -89,12 +93,12 @@ std::optional<LeverArmDoubt> doubt_of_lever_arm(const LoadedDataset& data, const
         const std::optional<Estimate> e = at_the_end(data, trial);
         if (!e || !e->value.allFinite() || e->value.norm() > 100.0 || !(e->heading_std < known)) return std::nullopt;
         doubt.found_b = e->value;
-        doubt.std_b = e->std.cwiseMax(centimetres);
-        if (!beyond(3.0, least)) return std::nullopt;
+        doubt.std_b = e->std.cwiseMax(filter::found_lever_arm_std);
+        doubt.std_b.x() = std::hypot(doubt.std_b.x(), filter::found_lever_arm_time * speed);
+        if (!beyond(5.0, least)) return std::nullopt;
         if ((e->value - trial.gnss.lever_arm_b).cwiseAbs().maxCoeff() < settled) break;
     }
-    doubt.refuted = doubt.given ? beyond(10.0, sure) && !data.config.run.keep_given : beyond(5.0, least);
-    if (!doubt.given && !doubt.refuted) return std::nullopt;
+    doubt.refuted = !doubt.given || (beyond(10.0, sure) && !data.config.run.keep_given);
     if (doubt.refuted) doubt.settings.gnss.lever_arm_b = doubt.found_b;
     return doubt;
 }

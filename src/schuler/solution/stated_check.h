@@ -9,7 +9,7 @@
 
 namespace schuler::solution {
 
-/// A discrepancy of three sigma or more between a given lever arm and the log, or five between none and the log.
+/// A discrepancy of five sigma or more between the lever arm and the log.
 struct LeverArmDoubt {
     Eigen::Vector3d given_b = Eigen::Vector3d::Zero(), found_b = Eigen::Vector3d::Zero();  ///< m, forward-right-down
     Eigen::Vector3d std_b = Eigen::Vector3d::Zero();                                       ///< m, of the estimated lever arm

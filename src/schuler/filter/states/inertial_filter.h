@@ -200,6 +200,10 @@ private:
     [[nodiscard]] Eigen::Matrix3d disturbance_axes(const InertialModel& model) const;
 };
 
+/// What the sigma of an estimated lever arm does not contain: in each axis (m), and along the track (s, times the speed), where
+/// latencies and the averaging times of a receiver act likewise.
+inline constexpr double found_lever_arm_std = 0.05, found_lever_arm_time = 0.01;
+
 /// Adds to P (position, velocity, attitude, local level) the effect of an attitude error of covariance `turn` on a position that
 /// was derived from that of the antenna; `turn` itself is in P already. l_n: lever arm, m.
 inline void turn_about_antenna(const Eigen::Vector3d& l_n, const Eigen::Matrix3d& turn, Matrix9& P) {
@@ -215,9 +219,12 @@ inline void turn_about_antenna(const Eigen::Vector3d& l_n, const Eigen::Matrix3d
 template <class Frame>
 [[nodiscard]] Matrix9 reported_covariance(const InertialModel& model, const InertialFilter<Frame>& f, const Matrix9& undecided) {
     Matrix9 P = f.local_covariance(model) + undecided;
-    // The estimate of a lever arm contains what is not modelled along the track: latencies, the times of a receiver's averages.
-    constexpr double of_lever_arm = 0.05;  // m
-    if (model.layout.lever_arm >= 0) P.template topLeftCorner<3, 3>().diagonal().array() += of_lever_arm * of_lever_arm;
+    if (model.layout.lever_arm >= 0) {
+        const Eigen::Vector3d along = found_lever_arm_time * f.geographic(model).v_eb_n;
+        auto position = P.template topLeftCorner<3, 3>();
+        position += along * along.transpose();
+        position.diagonal().array() += found_lever_arm_std * found_lever_arm_std;
+    }
     if (!(model.found_mounting_std > 0.0 || model.leeway_std > 0.0)) return P;
     const Eigen::Matrix3d C_nb = f.geographic(model).q_nb.toRotationMatrix();
     const Eigen::Matrix<double, 3, 2> across = model.found_mounting_std * C_nb.template rightCols<2>();
