@@ -2,6 +2,7 @@
 
 #include "schuler/core/units.h"
 #include "schuler/filter/states/inertial_filter.h"
+#include "schuler/fusion/legs.h"
 #include "schuler/fusion/run_filter.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/solution/loaded_dataset.h"
@@ -30,9 +31,13 @@ std::optional<Estimate> at_the_end(const LoadedDataset& data, fusion::Settings s
     settings.output_lever_arm_b.setZero();
     constexpr double rate = 1.0;  // Hz
     settings.output_rate = rate;
+    constexpr std::size_t most = 2'000'000;  // IMU epochs: hours, which show it as well as a day
+    const Recording& log = data.recording;
     fusion::Result r;
     try {
-        r = fusion::run_filter(data.recording, settings, heard);
+        r = log.imu.size() > most
+                ? fusion::run_filter(fusion::part_of(log, log.imu.front().time, log.imu[most].time), settings, heard)
+                : fusion::run_filter(log, settings, heard);
     } catch (const Error&) {
         return std::nullopt;
     }
