@@ -89,6 +89,9 @@ std::optional<LeverArmDoubt> doubt_of_lever_arm(const LoadedDataset& data, const
     for (const SolutionRow& row : result.forward.rows)
         speed += row.v_eb_n.squaredNorm() / static_cast<double>(result.forward.rows.size());
     speed = std::sqrt(speed);
+    // At the speed of an aircraft an unknown latency acts as a lever arm of metres, and is not told from one.
+    constexpr double short_arm = 0.3;  // m
+    if (!doubt.given && filter::found_lever_arm_time * speed > short_arm) return std::nullopt;
     constexpr int walks = 3;
     constexpr double settled = 0.5;             // m, half the initial sigma of the state
     constexpr double known = 3.0 * units::deg;  // a lever arm turned by the error of the heading is another one
