@@ -1,7 +1,7 @@
 // Reading and writing speed of the io room: KF-GINS text, CSV, solution.csv. Data are made here, in a temporary folder.
 #include "schuler/io/solution/kfgins.h"
 #include "schuler/io/solution/solution_csv.h"
-#include "schuler/io/text/csv_recording.h"
+#include "schuler/io/text/csv/csv_recording.h"
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>

@@ -31,6 +31,7 @@ void check_start(math::Random& random) {
     start.std_gyro_bias = start.std_accel_bias = Vector3d::Constant(1e-3);
     start.at_antenna = true;
     start.position_of_fix.setOnes();
+    start.undecided_heading = 1.5;
     FilterRun<Frame> run;
     set_out(run, model, settings, start, not_given);
     const InertialFilter<Frame>& f = run.filter;
@@ -45,6 +46,37 @@ void check_start(math::Random& random) {
     const double arm = (start.nav.q_nb * settings.gnss.lever_arm_b).template head<2>().norm() * start.std_rpy.z();
     RC_ASSERT((P(0, 0) + P(1, 1)) > 0.9 * arm * arm);
     if (settings.estimate_lever_arm) RC_ASSERT(P(0, 0) > 1.0);  // m^2, of the lever arm itself
+    // a heading that the fixes do not decide moves the reported position of the unit, and not that of the antenna
+    const Matrix9 reported = run.covariance(model);
+    const double wide = (start.nav.q_nb * settings.gnss.lever_arm_b).template head<2>().norm() * start.undecided_heading;
+    RC_ASSERT((reported(0, 0) + reported(1, 1) - P(0, 0) - P(1, 1)) > 0.99 * wide * wide);
+    Eigen::Matrix<double, 3, 9> antenna = Eigen::Matrix<double, 3, 9>::Zero();
+    antenna.leftCols<3>().setIdentity();
+    antenna.rightCols<3>() = math::skew(start.nav.q_nb * settings.gnss.lever_arm_b);
+    RC_ASSERT((antenna * (reported - P) * antenna.transpose()).norm() < 1e-6);
+}
+
+/// A lever arm turns at the rate of the instant of the fix, not at the mean rate of the step that ends there.
+TEST(RateAtTheFix, IsThatOfTheEndOfTheStep) {
+    const Settings settings;
+    const Recording recording;
+    const InertialModel model = make_model(settings, make_layout(settings, recording));
+    InertialFilter<GeographicFrame> f(model);
+    NavState nav;
+    nav.position = {0.8, 0.3, 100.0};
+    nav.v_eb_n.setZero();
+    nav.q_nb.setIdentity();
+    f.set_nav(nav);
+    const Vector3d acceleration(0.3, -1.0, 2.0);  // rad/s^2
+    double t = 0.0;
+    for (const double dt : {0.02, 0.02, 0.01, 0.02}) {  // also where a step is divided at an event
+        const Vector3d turned = acceleration * dt * (t + 0.5 * dt);
+        t += dt;
+        f.propagate(model, {Time::from_seconds(t), dt, turned, {0.0, 0.0, -9.8 * dt}}, {});
+        if (t > 0.03) {
+            EXPECT_LT((f.w_ib_b - t * acceleration).norm(), 1e-12) << t;
+        }
+    }
 }
 
 RC_GTEST_PROP(StartAtTheAntenna, KnowsTheAntennaAndNotTheUnit, ()) {

@@ -1,6 +1,6 @@
 // Tables and the CSV family from arbitrary bytes.
 #include "schuler/io/solution/solution_csv.h"
-#include "schuler/io/text/csv_recording.h"
+#include "schuler/io/text/csv/csv_recording.h"
 
 #include "fuzz_target.h"
 

@@ -1,7 +1,7 @@
 // Ranges, stations and 1090 MHz logs from arbitrary bytes: an Error or a result, nothing else. The first byte chooses the reader.
 #include "schuler/core/error.h"
 #include "schuler/io/receiver/adsb.h"
-#include "schuler/io/text/csv_ranges.h"
+#include "schuler/io/text/csv/csv_ranges.h"
 
 #include <cstddef>
 #include <cstdint>

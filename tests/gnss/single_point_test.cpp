@@ -4,7 +4,7 @@
 
 #include "schuler/earth/ellipsoid.h"
 #include "schuler/io/rinex/rinex.h"
-#include "schuler/io/text/csv_recording.h"
+#include "schuler/io/text/csv/csv_recording.h"
 
 #include "gnss/spirent_truth.h"
 #include "io/io_fixture.h"

@@ -35,6 +35,25 @@ void change_velocities(const std::filesystem::path& path, const std::string& hea
     write_file(path, text);
 }
 
+/// A row of a log of fixes: s, deg, m, m/s.
+struct FixRow {
+    double t = 0.0, lat = 0.0, lon = 0.0, h = 0.0, n = 0.0, e = 0.0, d = 0.0;
+};
+
+/// The log of fixes with another header and its rows written anew.
+std::string rewritten(const std::filesystem::path& path, const std::string& header,
+                      const std::function<std::string(const FixRow&)>& written) {
+    std::ifstream in(path);
+    std::string text = header + "\n", line;
+    std::getline(in, line);
+    while (std::getline(in, line)) {
+        FixRow f;
+        if (std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf,%lf,%lf,%lf", &f.t, &f.lat, &f.lon, &f.h, &f.n, &f.e, &f.d) == 7)
+            text += written(f) + "\n";
+    }
+    return text;
+}
+
 const std::string short_names = "time_s,lat_deg,lon_deg,height_m,vn,ve,vd";
 const std::string full_names = "time_s,lat_deg,lon_deg,height_m,vel_n_m_s,vel_e_m_s,vel_d_m_s";
 
@@ -215,27 +234,20 @@ TEST(VelocityColumns, ExchangedNearTheEquator) {
 
 /// The columns of a u-blox NAV-PVT message as exported: whole numbers of 1e-7 deg, mm and mm/s.
 TEST(VelocityColumns, NavigationSolutionOfUblox) {
-    const auto folder = fresh_folder("velocity_nav_pvt");
     CarLog car;
-    write_car(folder, car);
-    std::ifstream in(folder / car.gnss_name);
     for (const bool angles : {true, false}) {
-        in.clear();
-        in.seekg(0);
-        std::string text = "iTOW,lon,lat,height,hMSL,hAcc,vAcc,velN,velE,velD,gSpeed,headMot,sAcc\n", line;
-        std::getline(in, line);
-        while (std::getline(in, line)) {
-            double t = 0, lat = 0, lon = 0, h = 0, n = 0, e = 0, d = 0;
-            if (std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf,%lf,%lf,%lf", &t, &lat, &lon, &h, &n, &e, &d) != 7) continue;
-            h -= 290.0;  // too low to be recognised by its size
-            const std::string place =
-                angles ? fmt::format("{:.0f},{:.0f}", lon * 1e7, lat * 1e7) : fmt::format("{:.7f},{:.7f}", lon, lat);
-            text += fmt::format("{:.0f},{},{:.0f},{:.0f},2500,3800,{:.0f},{:.0f},{:.0f},{:.0f},0,350\n", t * 1e3, place, h * 1e3,
-                                (h - 48.0) * 1e3, n * 1e3, e * 1e3, d * 1e3, std::hypot(n, e) * 1e3);
-        }
         const auto here = fresh_folder(angles ? "velocity_nav_pvt_1" : "velocity_nav_pvt_2");
         write_car(here, car);
-        write_file(here / car.gnss_name, text);
+        const auto written = [angles](const FixRow& f) {
+            const double h = f.h - 290.0;  // too low to be recognised by its size
+            const std::string place =
+                angles ? fmt::format("{:.0f},{:.0f}", f.lon * 1e7, f.lat * 1e7) : fmt::format("{:.7f},{:.7f}", f.lon, f.lat);
+            return fmt::format("{:.0f},{},{:.0f},{:.0f},2500,3800,{:.0f},{:.0f},{:.0f},{:.0f},0,350", f.t * 1e3, place, h * 1e3,
+                               (h - 48.0) * 1e3, f.n * 1e3, f.e * 1e3, f.d * 1e3, std::hypot(f.n, f.e) * 1e3);
+        };
+        write_file(
+            here / car.gnss_name,
+            rewritten(here / car.gnss_name, "iTOW,lon,lat,height,hMSL,hAcc,vAcc,velN,velE,velD,gSpeed,headMot,sAcc", written));
         const InspectReport r = inspect(here);
         for (const char* key : {"height_m", "std_h_m", "std_d_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "std_vel_m_s"})
             EXPECT_NEAR(scale_of(r, key), 1e-3, 1e-12) << key;
@@ -250,16 +262,11 @@ TEST(VelocityColumns, WholeMetresStayMetres) {
     const auto folder = fresh_folder("velocity_whole_metres");
     CarLog car;
     write_car(folder, car);
-    std::ifstream in(folder / car.gnss_name);
-    std::string text = "time_s,lat,lon,height,hAcc,vAcc,velN,velE,velD,sAcc\n", line;
-    std::getline(in, line);
-    while (std::getline(in, line)) {
-        double t = 0, lat = 0, lon = 0, h = 0, n = 0, e = 0, d = 0;
-        if (std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf,%lf,%lf,%lf", &t, &lat, &lon, &h, &n, &e, &d) != 7) continue;
-        text += fmt::format("{:.3f},{:.8f},{:.8f},{:.0f},12,20,{:.0f},{:.0f},{:.0f},1\n", t, lat, lon, h, n, e, d);
-    }
-    in.close();
-    write_file(folder / car.gnss_name, text);
+    write_file(folder / car.gnss_name,
+               rewritten(folder / car.gnss_name, "time_s,lat,lon,height,hAcc,vAcc,velN,velE,velD,sAcc", [](const FixRow& f) {
+                   return fmt::format("{:.3f},{:.8f},{:.8f},{:.0f},12,20,{:.0f},{:.0f},{:.0f},1", f.t, f.lat, f.lon, f.h, f.n,
+                                      f.e, f.d);
+               }));
     const InspectReport r = inspect(folder);
     EXPECT_EQ(fact(r, "gnss.scale"), nullptr);
     EXPECT_EQ(fact(r, "gnss.use_velocity"), nullptr);
@@ -270,16 +277,9 @@ TEST(VelocityColumns, HeightsInFeet) {
     const auto folder = fresh_folder("velocity_feet");
     CarLog car;
     write_car(folder, car);
-    std::ifstream in(folder / car.gnss_name);
-    std::string text = "time_s,lat,lon,altitude,vn,ve,vd\n", line;
-    std::getline(in, line);
-    while (std::getline(in, line)) {
-        double t = 0, lat = 0, lon = 0, h = 0, n = 0, e = 0, d = 0;
-        if (std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf,%lf,%lf,%lf", &t, &lat, &lon, &h, &n, &e, &d) != 7) continue;
-        text += fmt::format("{:.3f},{:.9f},{:.9f},{:.2f},{},{},{}\n", t, lat, lon, h / 0.3048, n, e, d);
-    }
-    in.close();
-    write_file(folder / car.gnss_name, text);
+    write_file(folder / car.gnss_name, rewritten(folder / car.gnss_name, "time_s,lat,lon,altitude,vn,ve,vd", [](const FixRow& f) {
+                   return fmt::format("{:.3f},{:.9f},{:.9f},{:.2f},{},{},{}", f.t, f.lat, f.lon, f.h / 0.3048, f.n, f.e, f.d);
+               }));
     const InspectReport r = inspect(folder);
     EXPECT_NEAR(scale_of(r, "height_m"), 0.3048, 1e-9);
     expect_car(r);

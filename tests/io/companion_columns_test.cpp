@@ -1,5 +1,5 @@
 // Columns that complete another: hemispheres beside coordinates, fractions beside whole seconds.
-#include "schuler/io/text/csv_recording.h"
+#include "schuler/io/text/csv/csv_recording.h"
 
 #include "schuler/core/units.h"
 

@@ -4,7 +4,7 @@
 #include "schuler/core/units.h"
 #include "schuler/io/formats.h"
 #include "schuler/io/streams.h"
-#include "schuler/io/text/csv_recording.h"
+#include "schuler/io/text/csv/csv_recording.h"
 #include "schuler/io/text/detail/calendar_text.h"
 #include "schuler/io/text/held_rows.h"
 

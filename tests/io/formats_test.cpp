@@ -4,7 +4,7 @@
 #include "schuler/core/units.h"
 #include "schuler/io/atomic_file.h"
 #include "schuler/io/solution/solution_csv.h"
-#include "schuler/io/text/csv_recording.h"
+#include "schuler/io/text/csv/csv_recording.h"
 
 #include "io/io_fixture.h"
 

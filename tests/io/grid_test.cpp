@@ -1,7 +1,7 @@
 // Grids from text: between the points against an analytic field, and what is no grid.
 #include "io_fixture.h"
 #include "schuler/core/units.h"
-#include "schuler/io/text/csv_grid.h"
+#include "schuler/io/text/csv/csv_grid.h"
 
 #include <fmt/format.h>
 

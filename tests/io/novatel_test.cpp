@@ -2,7 +2,7 @@
 #include "schuler/core/units.h"
 #include "schuler/io/formats.h"
 #include "schuler/io/raw_input.h"
-#include "schuler/io/text/csv_recording.h"
+#include "schuler/io/text/csv/csv_recording.h"
 
 #include "io/io_fixture.h"
 #include "io/log_bytes.h"

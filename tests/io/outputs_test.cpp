@@ -3,7 +3,7 @@
 #include "schuler/io/own_files.h"
 #include "schuler/io/solution/kml.h"
 #include "schuler/io/solution/solution_csv.h"
-#include "schuler/io/text/csv_events.h"
+#include "schuler/io/text/csv/csv_events.h"
 
 #include "io/io_fixture.h"
 

@@ -2,7 +2,7 @@
 #include "schuler/core/error.h"
 #include "schuler/core/units.h"
 #include "schuler/io/receiver/adsb.h"
-#include "schuler/io/text/csv_ranges.h"
+#include "schuler/io/text/csv/csv_ranges.h"
 
 #include <gtest/gtest.h>
 

@@ -18,19 +18,29 @@ struct Case {
     Vector3d said = Vector3d::Zero(), true_b{0.4, -0.2, -1.1};  ///< m
     bool given = true;
     bool straight = false;
+    bool shaken = false;  ///< engine, quick fixes of the velocity
+    std::uint64_t seed = 21;
 };
 
 /// What is doubted of the lever arm of a drive.
 std::optional<LeverArmDoubt> doubt_of(const Case& c) {
-    sim::Scenario scenario = town_drive(21, 2.0, 200.0);
+    sim::Scenario scenario = town_drive(c.seed, c.shaken ? 10.0 : 2.0, 200.0);
+    if (c.shaken) {
+        std::get<sim::RoutePath>(scenario.path).vibration = {9.0, 2e-3, 0.5};
+        scenario.gnss.position_latency = scenario.gnss.velocity_latency = 0.03;
+    }
     scenario.gnss.lever_arm_b = c.true_b;
     if (c.straight) scenario.path = sim::GreatCirclePath{{50.4 * deg, 30.5 * deg, 150.0}, 1.3, 8.0};
     const Recording recording = sim::simulate(scenario).recording;
     settings::Config config;
     config.filter = settings_of(scenario);
-    give_start(config.filter, recording, 21);
+    give_start(config.filter, recording, c.seed);
     if (c.straight) config.filter.initial.std_rpy.z() = 0.7;
     config.filter.gnss.lever_arm_b = c.said;
+    if (c.shaken) {
+        config.filter.gnss.latency = 0.0;
+        config.filter.gnss.latency_std = config.filter.gnss.velocity_latency_std = 0.05;
+    }
     WarningLog warnings;
     LoadedDataset data = settled_dataset(recording, config, warnings);
     if (c.given) data.given = {"gnss.lever_arm_m"};
@@ -59,6 +69,12 @@ TEST(LeverArm, OfAnAntennaAsideIsFoundWhereNoneIsGiven) {
 }
 
 TEST(LeverArm, OfAnAntennaAtTheUnitIsNotInvented) { EXPECT_FALSE(doubt_of({.true_b = Vector3d::Zero(), .given = false})); }
+
+/// The noise of the gyros, and vibration whose phase the time of a velocity does not keep, are no turns of the antenna.
+TEST(LeverArm, IsNotShortenedByVibration) {
+    for (const std::uint64_t seed : {3U, 4U, 5U})
+        EXPECT_FALSE(doubt_of({.said = {0.7, -0.4, -1.5}, .true_b = {0.7, -0.4, -1.5}, .shaken = true, .seed = seed}));
+}
 
 /// Where the heading is unknown, no direction of the lever arm can be.
 TEST(LeverArm, IsNotJudgedByStraightMotion) { EXPECT_FALSE(doubt_of({.said = {0.4, 0.8, -1.1}, .straight = true})); }

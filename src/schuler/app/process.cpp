@@ -91,11 +91,10 @@ bool check_what_is_stated(solution::ResultBundle& bundle, const fusion::RowSink&
     const std::optional<solution::LeverArmDoubt> doubt = solution::doubt_of_lever_arm(bundle.data, bundle.result);
     if (!doubt) return false;
     fusion::Settings& filter = bundle.data.config.filter;
-    if (!doubt->refuted) {
-        if (!repeated(bundle, doubt->settings, rows)) return false;
-        filter.estimate_lever_arm = true;
-    } else {  // noise and latencies were estimated with the wrong one
-        filter.estimate_lever_arm = true;
+    if (!doubt->refuted && !repeated(bundle, doubt->settings, rows)) return false;
+    filter.estimate_lever_arm = true;
+    filter.gnss.found_lever_arm_std = doubt->settings.gnss.found_lever_arm_std;
+    if (doubt->refuted) {  // noise and latencies were estimated with the wrong one
         filter.gnss.lever_arm_b = doubt->found_b;
         WarningLog heard;
         solution::fuse_and_evaluate(bundle, heard, solution::internal_rate(bundle.data), {}, rows);

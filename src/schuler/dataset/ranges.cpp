@@ -7,7 +7,7 @@
 #include "schuler/gnss/sampled_ranges.h"
 #include "schuler/io/raw_input.h"
 #include "schuler/io/receiver/adsb.h"
-#include "schuler/io/text/csv_ranges.h"
+#include "schuler/io/text/csv/csv_ranges.h"
 #include "schuler/math/quantile.h"
 
 #include <algorithm>

@@ -11,7 +11,7 @@
 #include "schuler/io/solution/kfgins.h"
 #include "schuler/io/solution/rtklib_pos.h"
 #include "schuler/io/streams.h"
-#include "schuler/io/text/csv_aids.h"
+#include "schuler/io/text/csv/csv_aids.h"
 
 #include <cmath>
 #include <utility>

@@ -5,7 +5,7 @@
 #include "schuler/core/samples.h"
 #include "schuler/dataset/carrier_phase.h"
 #include "schuler/dataset/description.h"
-#include "schuler/io/text/csv_recording.h"
+#include "schuler/io/text/csv/csv_recording.h"
 
 #include <Eigen/Core>
 

@@ -4,7 +4,7 @@
 #include "schuler/core/log.h"
 #include "schuler/core/nav_state.h"
 #include "schuler/core/samples.h"
-#include "schuler/io/text/csv_recording.h"
+#include "schuler/io/text/csv/csv_recording.h"
 
 #include <filesystem>
 #include <vector>

@@ -61,10 +61,13 @@ struct ImuSettings {
 /// GNSS: antenna, ages and noise.
 struct GnssSettings {
     Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();  ///< m, IMU to antenna, forward-right-down
-    double latency = 0.0;                                   ///< s, all channels: valid at stamp - latency
-    std::optional<double> velocity_latency;                 ///< s, replaces latency for the velocity
-    std::optional<double> height_latency;                   ///< s, replaces latency for the height
-    std::optional<double> velocity_down_latency;            ///< s, replaces velocity_latency for the down component
+    /// m, body axes, one sigma: what a lever arm that was found may be wrong by beyond the sigma of its state; part of the reported
+    /// position alone.
+    Eigen::Vector3d found_lever_arm_std = Eigen::Vector3d::Zero();
+    double latency = 0.0;                         ///< s, all channels: valid at stamp - latency
+    std::optional<double> velocity_latency;       ///< s, replaces latency for the velocity
+    std::optional<double> height_latency;         ///< s, replaces latency for the height
+    std::optional<double> velocity_down_latency;  ///< s, replaces velocity_latency for the down component
     double latency_std = 0.0;  ///< s, one sigma of the position latency; if above 0, the latency error is a state
     /// s, one sigma of the velocity latency: if above 0, its error is a separate state; otherwise a velocity without a latency of
     /// its own is assumed to have that of the position.

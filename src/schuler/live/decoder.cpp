@@ -4,7 +4,7 @@
 #include "schuler/io/formats.h"
 #include "schuler/io/receiver/nmea.h"
 #include "schuler/io/receiver/ubx.h"
-#include "schuler/io/text/csv_aids.h"
+#include "schuler/io/text/csv/csv_aids.h"
 #include "schuler/live/detail/framing.h"
 
 #include <fmt/format.h>

@@ -3,7 +3,7 @@
 
 #include "schuler/core/samples.h"
 #include "schuler/core/time.h"
-#include "schuler/io/text/csv_recording.h"
+#include "schuler/io/text/csv/csv_recording.h"
 
 #include <cstddef>
 #include <memory>

@@ -4,7 +4,7 @@
 #include "schuler/io/own_files.h"
 #include "schuler/io/solution/kml.h"
 #include "schuler/io/solution/solution_csv.h"
-#include "schuler/io/text/csv_events.h"
+#include "schuler/io/text/csv/csv_events.h"
 #include "schuler/report/carrier.h"
 #include "schuler/report/run_mat.h"
 #include "schuler/settings/config/config.h"

@@ -1,6 +1,6 @@
 #include "schuler/report/result_table.h"
 
-#include "schuler/io/text/csv_field.h"
+#include "schuler/io/text/csv/csv_field.h"
 #include "schuler/report/detail/markup.h"
 #include "schuler/report/inner/json.h"
 

@@ -3,7 +3,7 @@
 
 #include "schuler/core/aid_samples.h"
 #include "schuler/core/samples.h"
-#include "schuler/io/text/csv_ranges.h"
+#include "schuler/io/text/csv/csv_ranges.h"
 #include "schuler/settings/scenario/scenario.h"
 #include "schuler/sim/simulate.h"
 

@@ -7,7 +7,7 @@
 #include "schuler/dataset/ranges.h"
 #include "schuler/dataset/read_files.h"
 #include "schuler/dataset/time_axis.h"
-#include "schuler/io/text/csv_events.h"
+#include "schuler/io/text/csv/csv_events.h"
 #include "schuler/math/rotation.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/settings/magnetometer_axes.h"

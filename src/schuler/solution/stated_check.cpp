@@ -1,7 +1,6 @@
 #include "schuler/solution/stated_check.h"
 
 #include "schuler/core/units.h"
-#include "schuler/filter/states/inertial_filter.h"
 #include "schuler/fusion/legs.h"
 #include "schuler/fusion/run_filter.h"
 #include "schuler/settings/config/config.h"
@@ -20,6 +19,7 @@ using Eigen::Vector3d;
 struct Estimate {
     Vector3d value, std;
     double heading_std = 0.0;  // rad
+    double speed = 0.0;        // m/s, root mean square
 };
 
 /// The lever arm at the end of a run with it as a state.
@@ -52,6 +52,9 @@ std::optional<Estimate> at_the_end(const LoadedDataset& data, fusion::Settings s
         e.std(i) = last.std[at];
     }
     e.heading_std = r.forward.rows.back().std_rpy.z();
+    for (const SolutionRow& row : r.forward.rows)
+        e.speed += row.v_eb_n.squaredNorm() / static_cast<double>(r.forward.rows.size());
+    e.speed = std::sqrt(e.speed);
     return e;
 }
 
@@ -85,24 +88,23 @@ std::optional<LeverArmDoubt> doubt_of_lever_arm(const LoadedDataset& data, const
         const Vector3d off = (doubt.found_b - doubt.given_b).cwiseAbs();
         return ((off.array() > sigmas * doubt.std_b.array()) && (off.array() > metres)).any();
     };
-    double speed = 0.0;  // m/s, root mean square
-    for (const SolutionRow& row : result.forward.rows)
-        speed += row.v_eb_n.squaredNorm() / static_cast<double>(result.forward.rows.size());
-    speed = std::sqrt(speed);
-    // At the speed of an aircraft an unknown latency acts as a lever arm of metres, and is not told from one.
-    constexpr double short_arm = 0.3;  // m
-    if (!doubt.given && filter::found_lever_arm_time * speed > short_arm) return std::nullopt;
     constexpr int walks = 3;
     constexpr double settled = 0.5;             // m, half the initial sigma of the state
     constexpr double known = 3.0 * units::deg;  // a lever arm turned by the error of the heading is another one
+    constexpr double centimetres = 0.05;        // m
+    // s: latencies and the times over which receivers average act along the track as a lever arm does. At the speed of an aircraft that
+    // is as much as the lever arm itself.
+    constexpr double averaging = 0.01, short_arm = 0.3;  // m
     for (int k = 0; k < walks; ++k) {
         fusion::Settings trial = doubt.settings;
         if (k > 0) trial.gnss.lever_arm_b = doubt.found_b;
         const std::optional<Estimate> e = at_the_end(data, trial);
         if (!e || !e->value.allFinite() || e->value.norm() > 100.0 || !(e->heading_std < known)) return std::nullopt;
         doubt.found_b = e->value;
-        doubt.std_b = e->std.cwiseMax(filter::found_lever_arm_std);
-        doubt.std_b.x() = std::hypot(doubt.std_b.x(), filter::found_lever_arm_time * speed);
+        const double along = averaging * e->speed;
+        if (!doubt.given && along > short_arm) return std::nullopt;
+        doubt.settings.gnss.found_lever_arm_std = {std::hypot(centimetres, along), centimetres, centimetres};
+        doubt.std_b = (e->std.cwiseAbs2() + doubt.settings.gnss.found_lever_arm_std.cwiseAbs2()).cwiseSqrt();
         if (!beyond(5.0, least)) return std::nullopt;
         if ((e->value - trial.gnss.lever_arm_b).cwiseAbs().maxCoeff() < settled) break;
     }

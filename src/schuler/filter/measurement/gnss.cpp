@@ -54,7 +54,7 @@ Measurement gnss_velocity(const Estimate& e, const Vector3d& measured, const Vec
     by_attitude.col(2) =
         for_heading(s_n, Vector3d::UnitZ(), e.heading_unknown * e.uncertain_rate * l_b.norm()).cross(Vector3d::UnitZ());
     const Matrix3d by_gyro_bias = e.C_nb * skew(l_b);
-    const Matrix3d by_lever_arm = e.C_nb * skew(w_eb_b - withheld_part(w_eb_b, e.uncertain_rate));
+    const Matrix3d by_lever_arm = e.C_nb * skew(for_lever_arm(w_eb_b, e.uncertain_rate));
     Measurement m;
     for (int axis = 0; axis < 3; ++axis) {
         if (!use[axis]) continue;

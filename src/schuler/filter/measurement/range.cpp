@@ -27,7 +27,7 @@ AntennaEstimate antenna_of(const earth::Earth& earth, const NavState& nav, const
     a.by_displacement = ins::level_rotation_by_displacement(t);
     a.gyro_lever = C_nb * math::skew(lever_arm_b);
     a.C_nb = C_nb;
-    a.lever_turn = C_nb * math::skew(w_ib_b - withheld_part(w_ib_b, uncertain_rate));
+    a.lever_turn = C_nb * math::skew(for_lever_arm(w_ib_b, uncertain_rate));
     a.w_ie = earth.ellipsoid.w_ie;
     return a;
 }

@@ -27,6 +27,12 @@ namespace schuler::filter {
     return size > limit ? Eigen::Vector3d(v * (limit / size)) : v;
 }
 
+/// What of a rate or a turn remains for the column of a lever arm. Each axis by itself: the yaw of a turn does not make the vibration
+/// about the other axes better known.
+[[nodiscard]] inline Eigen::Vector3d for_lever_arm(const Eigen::Vector3d& w, double limit) {
+    return w - w.cwiseMax(-limit).cwiseMin(limit);
+}
+
 /// What remains for the column of the heading; `down`: unit vector.
 [[nodiscard]] inline Eigen::Vector3d for_heading(const Eigen::Vector3d& v, const Eigen::Vector3d& down, double limit) {
     return v - withheld_part(horizontal_part(v, down), limit);

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace schuler::filter {
 
@@ -113,7 +112,11 @@ void InertialFilter<Frame>::propagate(const InertialModel& model, const ImuIncre
     }
     const Vector3d rate = inc.dtheta / dt;
     w_ib_b = rate;
-    if (previous.dt > 0.0) w_ib_b += (rate - previous.dtheta / previous.dt) * (dt / (dt + previous.dt));
+    if (previous.dt > 0.0) {
+        const Vector3d acceleration = (rate - previous.dtheta / previous.dt) * (2.0 / (dt + previous.dt));
+        w_ib_b += 0.5 * dt * acceleration;
+        if (model.eccentric()) recent_rate.add(rate, acceleration, dt);
+    }
     previous = inc;
     recent_force =
         recent_force.isZero(0.0) ? Vector3d(df / dt) : Vector3d(recent_force + (df - dt * recent_force) / (force_memory + dt));
@@ -183,9 +186,13 @@ double InertialFilter<Frame>::rate_variance(const InertialModel& model) const {
     constexpr double extrapolated = 2.5;  // noise of one and a half intervals less half of the one before
     constexpr double averaged = 0.005;    // s: a receiver's velocity is a mean over some time, its stamp rounded
     const int latency = model.layout.gnss_velocity_latency >= 0 ? model.layout.gnss_velocity_latency : model.layout.gnss_latency;
-    const double late = averaged * averaged + (latency < 0 ? 0.0 : P(latency, latency));
-    const Vector3d angular_acceleration = (w_ib_b - previous.dtheta / dt) / (0.5 * dt);
-    return extrapolated * model.gyro_psd / dt + late * angular_acceleration.squaredNorm();
+    double late = averaged * averaged;
+    if (latency >= 0) {
+        // a latency that is estimated moves the stamp no more than an unknown one does
+        const double estimate = parameters(latency) - error(latency);
+        late += P(latency, latency) + estimate * estimate;
+    }
+    return extrapolated * model.gyro_psd / dt + recent_rate.change_square(late, model.gyro_psd, dt);
 }
 
 template <class Frame>
@@ -212,7 +219,7 @@ HeadingForce InertialFilter<Frame>::force_for_heading(const InertialModel& model
     const Matrix3d velocity = P.block<3, 3>(v, v) + by_level * P.block<3, 3>(a, a) * by_level.transpose() +
                               by_bias * P.block<3, 3>(b, b) * by_bias.transpose() + cross + cross.transpose();
     // less what the heading itself contributes: it is not what makes the acceleration uncertain
-    const double heading = down.dot(P.block<3, 3>(a, a) * down);
+    const double heading = heading_variance(model);
     const Vector3d by_heading = (P.block<3, 3>(v, a) + by_level * P.block<3, 3>(a, a) - by_bias * P.block<3, 3>(b, a)) * down;
     const Matrix3d apart = heading > 0.0 ? Matrix3d(velocity - by_heading * by_heading.transpose() / heading) : velocity;
     return heading_force(gathered.acceleration, withheld, down, apart, std::max(0.0, heading));
@@ -246,8 +253,9 @@ void InertialFilter<Frame>::withhold_lever_arm(const InertialModel& model, const
         phi.rows.col(p + i).template segment<3>(Layout::attitude) += of_antenna.row(i).transpose() + turned(i) * down;
     const int own = model.layout.lever_arm;
     if (own < 0) return;
-    const double turn = gathered.rotation.norm() / std::numbers::sqrt2;
-    const Matrix3d of_arm = arm_turned - (turn > angle ? angle / turn : 1.0) * gathered.rotation;
+    const Matrix3d turn = C.transpose() * gathered.rotation;
+    const Vector3d axes = 0.5 * Vector3d(turn(2, 1) - turn(1, 2), turn(0, 2) - turn(2, 0), turn(1, 0) - turn(0, 1));
+    const Matrix3d of_arm = arm_turned - C * math::skew(axes - for_lever_arm(axes, angle));
     for (int i = 0; i < 3; ++i) phi.rows.col(p + i).template segment<3>(own) += of_arm.row(i).transpose();
 }
 

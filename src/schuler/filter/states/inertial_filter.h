@@ -12,6 +12,7 @@
 #include "schuler/filter/states/gathered_motion.h"
 #include "schuler/filter/states/heading_force.h"
 #include "schuler/filter/states/layout.h"
+#include "schuler/filter/states/recent_rate.h"
 #include "schuler/sensor/grades.h"
 
 #include <Eigen/Core>
@@ -40,14 +41,15 @@ struct InertialModel {
     double accel_psd = 0.0;  ///< m^2/s^3
     /// One sigma of scale factors and misalignments that are not states: noise during manoeuvres.
     double gyro_gain = 0.0, accel_gain = 0.0;
-    double gyro_vibration = 0.0, accel_vibration = 0.0;     ///< ImuSettings, scaled as the noise
-    double found_mounting_std = 0.0;                        ///< rad, ImuSettings
-    double leeway_std = 0.0;                                ///< rad, if the heading sensor is the course of a ship
-    std::array<StateProcess, estim::max_states> process{};  ///< of the states from index 9 on
-    Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();  ///< m, of the GNSS antenna, if it is no state
-    double clock_psd = 0.0, drift_psd = 0.0;                ///< m^2/s, m^2/s^3
-    sensor::GnssErrorModel gnss;                            ///< of the receiver states; their decay may depend on speed
-    DisturbanceModel disturbance;                           ///< gravity disturbance, if the layout includes it
+    double gyro_vibration = 0.0, accel_vibration = 0.0;             ///< ImuSettings, scaled as the noise
+    double found_mounting_std = 0.0;                                ///< rad, ImuSettings
+    Eigen::Vector3d found_lever_arm_std = Eigen::Vector3d::Zero();  ///< m, GnssSettings
+    double leeway_std = 0.0;                                        ///< rad, if the heading sensor is the course of a ship
+    std::array<StateProcess, estim::max_states> process{};          ///< of the states from index 9 on
+    Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();          ///< m, of the GNSS antenna; of its state the first value
+    double clock_psd = 0.0, drift_psd = 0.0;                        ///< m^2/s, m^2/s^3
+    sensor::GnssErrorModel gnss;                                    ///< of the receiver states; their decay may depend on speed
+    DisturbanceModel disturbance;                                   ///< gravity disturbance, if the layout includes it
     Loop loop = Loop::Closed;
     StateVector floor;  ///< least variances after an update
 
@@ -80,6 +82,7 @@ struct InertialFilter {
     Eigen::Matrix3d C = Eigen::Matrix3d::Identity();                                   ///< body to frame, of nav
     ImuIncrement previous{{}, 0.0, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};  ///< corrected for the sensor errors
     Eigen::Vector3d w_ib_b = Eigen::Vector3d::Zero();      ///< corrected rate at the end of the last step, rad/s
+    RecentRate recent_rate;                                ///< with a lever arm
     Eigen::Vector3d mean_force = Eigen::Vector3d::Zero();  ///< specific force over the last interval, frame axes, m/s^2
     Eigen::Vector3d recent_force =
         Eigen::Vector3d::Zero();  ///< the same as an exponential mean over force_memory, independent of the intervals
@@ -115,8 +118,8 @@ struct InertialFilter {
 
     [[nodiscard]] Eigen::Vector3d lever_arm(const InertialModel& model) const;  ///< of the antenna by the estimate, body axes, m
 
-    /// Variance of an axis of w_ib_b as the rate at the time of a receiver's velocity, rad^2/s^2: white noise, and the change within
-    /// the uncertainty of that time.
+    /// Variance of an axis of w_ib_b as the rate at the time of a receiver's velocity, rad^2/s^2: white noise, and the change between
+    /// that time and the stamp (less what was given of the latency).
     [[nodiscard]] double rate_variance(const InertialModel& model) const;
     /// Two sigma of a rate of this variance, rad/s: the motion of a lever arm at a lower one tells nothing.
     [[nodiscard]] double uncertain_rate(double rate_variance) const;
@@ -200,10 +203,6 @@ private:
     [[nodiscard]] Eigen::Matrix3d disturbance_axes(const InertialModel& model) const;
 };
 
-/// What the sigma of an estimated lever arm does not contain: in each axis (m), and along the track (s, times the speed), where
-/// latencies and the averaging times of a receiver act likewise.
-inline constexpr double found_lever_arm_std = 0.05, found_lever_arm_time = 0.01;
-
 /// Adds to P (position, velocity, attitude, local level) the effect of an attitude error of covariance `turn` on a position that
 /// was derived from that of the antenna; `turn` itself is in P already. l_n: lever arm, m.
 inline void turn_about_antenna(const Eigen::Vector3d& l_n, const Eigen::Matrix3d& turn, Matrix9& P) {
@@ -215,18 +214,13 @@ inline void turn_about_antenna(const Eigen::Vector3d& l_n, const Eigen::Matrix3d
 
 /// Reported covariance of position, velocity and attitude, local level: the filter's, the `undecided` hypotheses, the leeway of a
 /// ship whose heading is known by its course only, the uncertainty of an estimated mounting about the vehicle's right and down axes, and
-/// that of an estimated lever arm.
+/// that of a lever arm that was found.
 template <class Frame>
 [[nodiscard]] Matrix9 reported_covariance(const InertialModel& model, const InertialFilter<Frame>& f, const Matrix9& undecided) {
     Matrix9 P = f.local_covariance(model) + undecided;
-    if (model.layout.lever_arm >= 0) {
-        const Eigen::Vector3d along = found_lever_arm_time * f.geographic(model).v_eb_n;
-        auto position = P.template topLeftCorner<3, 3>();
-        position += along * along.transpose();
-        position.diagonal().array() += found_lever_arm_std * found_lever_arm_std;
-    }
-    if (!(model.found_mounting_std > 0.0 || model.leeway_std > 0.0)) return P;
+    if (!(model.found_mounting_std > 0.0 || model.leeway_std > 0.0) && model.found_lever_arm_std.isZero(0.0)) return P;
     const Eigen::Matrix3d C_nb = f.geographic(model).q_nb.toRotationMatrix();
+    P.template topLeftCorner<3, 3>() += C_nb * model.found_lever_arm_std.cwiseAbs2().asDiagonal() * C_nb.transpose();
     const Eigen::Matrix<double, 3, 2> across = model.found_mounting_std * C_nb.template rightCols<2>();
     Eigen::Matrix3d more = across * across.transpose();
     more(2, 2) += model.leeway_std * model.leeway_std;

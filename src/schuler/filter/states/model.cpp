@@ -166,6 +166,7 @@ InertialModel make_model(const Settings& settings, const Layout& layout) {
     model.accel_vibration = settings.imu.accel_vibration.value_or(0.0) * settings.imu.accel_noise_scale.value_or(1.0);
     model.found_mounting_std = settings.imu.found_mounting_std;
     model.lever_arm_b = settings.gnss.lever_arm_b;
+    model.found_lever_arm_std = settings.gnss.found_lever_arm_std;
     const auto bound = [&model](int offset, double sigma) { model.floor.segment<3>(offset).setConstant(sigma * sigma); };
     bound(Layout::position, settings.aids.floor_position);
     bound(Layout::velocity, settings.aids.floor_velocity);

@@ -69,8 +69,9 @@ std::uint64_t NavigatorEngine::fingerprint() const {
     // clang-format on
     for (const double x : numbers) f.number(x);
     const std::array<Eigen::Vector3d, 3>& gauges = s.gauges.lever_arms_b;
-    for (const Eigen::Vector3d& v : {g.lever_arm_b, s.imu.mounting_rpy, g.default_std_position, g.default_std_velocity,
-                                     g.std_floor_position, s.log.lever_arm_b, gauges[0], gauges[1], gauges[2]})
+    for (const Eigen::Vector3d& v :
+         {g.lever_arm_b, g.found_lever_arm_std, s.imu.mounting_rpy, g.default_std_position, g.default_std_velocity,
+          g.std_floor_position, s.log.lever_arm_b, gauges[0], gauges[1], gauges[2]})
         for (int i = 0; i < 3; ++i) f.number(v(i));
     for (int i = 0; i < 9; ++i) f.number(s.imu.C_bs(i));
     const int choices[] = {static_cast<int>(s.mechanization),

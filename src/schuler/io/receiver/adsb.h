@@ -5,7 +5,7 @@
 #include "schuler/core/position.h"
 #include "schuler/core/time.h"
 #include "schuler/io/rinex/rinex.h"
-#include "schuler/io/text/csv_ranges.h"
+#include "schuler/io/text/csv/csv_ranges.h"
 #include "schuler/io/text/text_input.h"
 
 #include <array>

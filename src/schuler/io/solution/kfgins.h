@@ -3,7 +3,7 @@
 
 #include "schuler/core/log.h"
 #include "schuler/core/samples.h"
-#include "schuler/io/text/csv_recording.h"
+#include "schuler/io/text/csv/csv_recording.h"
 #include "schuler/io/text/text_input.h"
 
 #include <Eigen/Core>

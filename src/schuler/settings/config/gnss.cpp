@@ -63,6 +63,10 @@ void add_gnss_options(OptionTable<Config>& table) {
     table.add(fix_codes_option())
         .add(vector3<Config>("gnss.lever_arm_m", 1.0, -100, 100, "IMU to antenna, body axes forward, right, down",
                              gnss(&GnssSettings::lever_arm_b)))
+        .add(vector3<Config>(
+            "gnss.found_lever_arm_std_m", 1.0, 0, 100,
+            "one sigma of a lever arm that was found, beyond that of its state; the reported position includes it",
+            gnss(&GnssSettings::found_lever_arm_std)))
         .add(latency_option())
         .add(number<Config>("gnss.latency_std_s", 1.0, 0, 10,
                             "one sigma of the latency of positions; above 0 the filter estimates its error",

@@ -2,7 +2,7 @@
 #include "schuler/core/units.h"
 #include "schuler/earth/enu.h"
 #include "schuler/earth/gravity_field.h"
-#include "schuler/io/text/csv_grid.h"
+#include "schuler/io/text/csv/csv_grid.h"
 #include "schuler/settings/config/anomaly_options.h"
 #include "schuler/settings/option_builders.h"
 #include "schuler/settings/scenario/scenario.h"

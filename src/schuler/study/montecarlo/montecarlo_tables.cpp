@@ -1,6 +1,6 @@
 // The tables of a campaign as CSV: epochs and runs.
 #include "schuler/io/atomic_file.h"
-#include "schuler/io/text/csv_field.h"
+#include "schuler/io/text/csv/csv_field.h"
 #include "schuler/study/montecarlo/montecarlo.h"
 
 #include <fmt/format.h>

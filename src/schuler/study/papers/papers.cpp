@@ -1,7 +1,7 @@
 #include "schuler/study/papers/papers.h"
 
 #include "schuler/core/error.h"
-#include "schuler/io/text/csv_field.h"
+#include "schuler/io/text/csv/csv_field.h"
 #include "schuler/report/inner/json.h"
 #include "schuler/report/outputs.h"
 #include "schuler/report/result_table.h"

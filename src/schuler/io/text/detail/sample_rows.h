@@ -3,7 +3,7 @@
 
 #include "schuler/core/log.h"
 #include "schuler/core/time.h"
-#include "schuler/io/text/csv_recording.h"
+#include "schuler/io/text/csv/csv_recording.h"
 #include "schuler/io/text/repair_times.h"
 #include "schuler/io/text/table.h"
 

@@ -1,4 +1,4 @@
-#include "schuler/io/text/csv_ranges.h"
+#include "schuler/io/text/csv/csv_ranges.h"
 
 #include "schuler/core/units.h"
 #include "schuler/gnss/satellite.h"

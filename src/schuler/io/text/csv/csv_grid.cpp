@@ -1,4 +1,4 @@
-#include "schuler/io/text/csv_grid.h"
+#include "schuler/io/text/csv/csv_grid.h"
 
 #include "schuler/core/units.h"
 #include "schuler/io/text/table.h"

@@ -1,8 +1,8 @@
-#include "schuler/io/text/csv_events.h"
+#include "schuler/io/text/csv/csv_events.h"
 
 #include "schuler/io/atomic_file.h"
 #include "schuler/io/solution/solution_csv.h"
-#include "schuler/io/text/csv_field.h"
+#include "schuler/io/text/csv/csv_field.h"
 #include "schuler/io/text/table.h"
 
 #include <algorithm>

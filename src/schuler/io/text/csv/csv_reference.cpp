@@ -1,6 +1,6 @@
 #include "schuler/core/units.h"
 #include "schuler/io/place.h"
-#include "schuler/io/text/csv_recording.h"
+#include "schuler/io/text/csv/csv_recording.h"
 #include "schuler/io/text/detail/position_columns.h"
 #include "schuler/math/rotation.h"
 

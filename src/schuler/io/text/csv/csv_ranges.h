@@ -2,7 +2,7 @@
 #pragma once
 
 #include "schuler/core/ranging.h"
-#include "schuler/io/text/csv_recording.h"
+#include "schuler/io/text/csv/csv_recording.h"
 
 #include <string>
 #include <vector>

@@ -1,7 +1,7 @@
 #include "schuler/core/units.h"
 #include "schuler/earth/ellipsoid.h"
 #include "schuler/io/place.h"
-#include "schuler/io/text/csv_recording.h"
+#include "schuler/io/text/csv/csv_recording.h"
 #include "schuler/io/text/detail/position_columns.h"
 #include "schuler/io/text/fix_codes.h"
 #include "schuler/io/text/held_rows.h"

@@ -1,4 +1,4 @@
-#include "schuler/io/text/csv_recording.h"
+#include "schuler/io/text/csv/csv_recording.h"
 
 #include "schuler/core/units.h"
 #include "schuler/io/text/detail/sample_rows.h"
