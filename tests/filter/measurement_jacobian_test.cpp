@@ -163,6 +163,10 @@ const Vector3d variance(0.1, 0.2, 0.3);
 
 Geodetic near_to(const Estimate& e) { return earth::moved_by_ned(e.earth, e.nav.position, Vector3d(3.0, -2.0, 1.0)); }
 
+// The Earth's rate turned by an attitude error is left out of the rate of the lever arm: 7e-5 rad/s times the arm (below 3.5 m), in a
+// position times the latency (below 0.05 s).
+constexpr double earth_rate = 7.3e-5 * 3.5;
+
 SCHULER_JACOBIAN(gnss_position, "filter.gnss_position") {
     std::vector<LinearModel> models;
     for (const Components use : {Components{}, Components{true, true, false}, Components{false, false, true}}) {
@@ -171,8 +175,8 @@ SCHULER_JACOBIAN(gnss_position, "filter.gnss_position") {
         std::size_t k = 0;
         for (const Point& p : random_points(12)) {
             const Geodetic fix = measured[k];
-            std::vector<LinearModel> all =
-                models_of([fix, use](const Estimate& e) { return gnss_position(e, fix, variance, unused_arm, use); });
+            std::vector<LinearModel> all = models_of(
+                [fix, use](const Estimate& e) { return gnss_position(e, fix, variance, unused_arm, use); }, 0.05 * earth_rate);
             models.push_back(all[k]);
             models.back().where = p.name;
             ++k;
@@ -181,10 +185,9 @@ SCHULER_JACOBIAN(gnss_position, "filter.gnss_position") {
     return models;
 }
 
-// The Earth's rate turned by an attitude error is left out of the rate of the lever arm: 7e-5 rad/s times the arm (below 3.5 m).
 SCHULER_JACOBIAN(gnss_velocity, "filter.gnss_velocity") {
     return models_of([](const Estimate& e) { return gnss_velocity(e, Vector3d(1.0, 2.0, 3.0), variance, unused_arm, -1, {}); },
-                     7.3e-5 * 3.5);
+                     earth_rate);
 }
 
 SCHULER_JACOBIAN(baro_height, "filter.baro_height") {
@@ -433,7 +436,8 @@ std::vector<LinearModel> mapped_models(Aid aid, double attitude_floor) {
 
 SCHULER_JACOBIAN(ecef_position, "filter.gnss_position_ecef") {
     return mapped_models<EarthFixedFrame>(
-        [](const Estimate& at, const Estimate& e) { return gnss_position(e, near_to(at), variance, unused_arm, {}); }, 1e-8);
+        [](const Estimate& at, const Estimate& e) { return gnss_position(e, near_to(at), variance, unused_arm, {}); },
+        0.05 * earth_rate);
 }
 SCHULER_JACOBIAN(ecef_velocity, "filter.gnss_velocity_ecef") {
     return mapped_models<EarthFixedFrame>(

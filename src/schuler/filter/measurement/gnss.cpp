@@ -15,25 +15,37 @@ Vector3d lever_arm(const Estimate& e, const Vector3d& given) {
     return e.layout.lever_arm < 0 ? given : Vector3d(e.parameters.segment<3>(e.layout.lever_arm));
 }
 
+/// w_eb_b, rad/s
+Vector3d rate_to_earth(const Estimate& e) {
+    return e.w_ib_b - e.C_nb.transpose() * earth::terms_at(e.earth, e.nav.position, e.nav.v_eb_n).w_ie_n;
+}
+
 }  // namespace
 
 Measurement gnss_position(const Estimate& e, const Geodetic& measured, const Vector3d& variance, const Vector3d& lever_arm_b,
                           Components use) {
-    const Vector3d l_n = e.C_nb * lever_arm(e, lever_arm_b);
-    const Vector3d difference = earth::ned_difference(e.earth, e.nav.position, measured) + l_n;
-    const Matrix3d by_attitude = skew(l_n);
+    const Vector3d l_b = lever_arm(e, lever_arm_b);
+    const Vector3d difference = earth::ned_difference(e.earth, e.nav.position, measured);
+    const int latency = e.layout.gnss_latency;
+    const double late = latency >= 0 ? e.parameters(latency) : 0.0;  // s: the fix gives the antenna as it was so long before
+    const Vector3d w_eb_b = latency >= 0 ? rate_to_earth(e) : Vector3d(Vector3d::Zero());
+    const Vector3d s_n = e.C_nb * w_eb_b.cross(l_b), l_n = e.C_nb * l_b - late * s_n;
+    const Vector3d v_n = e.nav.v_eb_n + s_n;
+    const Matrix3d by_attitude = skew(l_n), by_gyro_bias = -late * e.C_nb * skew(l_b);
+    const Matrix3d by_lever_arm = e.C_nb - late * e.C_nb * skew(for_lever_arm(w_eb_b, e.uncertain_rate));
     Measurement m;
     for (int axis = 0; axis < 3; ++axis) {
         if (!use[axis]) continue;
-        estim::Row& row = m.add(difference(axis), variance(axis));
+        const double of_rate = e.rate_variance * by_gyro_bias.row(axis).squaredNorm();
+        estim::Row& row = m.add(difference(axis) + l_n(axis), variance(axis) + of_rate);
         position_of(row)(axis) = 1.0;
         attitude_of(row) = by_attitude.row(axis).transpose();
-        if (e.layout.lever_arm >= 0) row.add3(e.layout.lever_arm, e.C_nb.row(axis).transpose());
-        if (e.layout.gnss_latency >= 0) {  // the fix gives the earlier position of the antenna
-            const double late = e.parameters(e.layout.gnss_latency);
-            m.innovation(m.dof - 1) -= late * e.nav.v_eb_n(axis);
+        if (e.layout.lever_arm >= 0) row.add3(e.layout.lever_arm, by_lever_arm.row(axis).transpose());
+        if (latency >= 0) {
+            m.innovation(m.dof - 1) += late * (0.5 * late * e.a_n(axis) - e.nav.v_eb_n(axis));
             velocity_of(row)(axis) = -late;
-            row.add(e.layout.gnss_latency, -e.nav.v_eb_n(axis));
+            row.add3(Layout::gyro_bias, by_gyro_bias.row(axis).transpose());
+            row.add(latency, late * e.a_n(axis) - v_n(axis));
         }
         if (e.layout.gnss_position >= 0) {
             m.innovation(m.dof - 1) += e.parameters(e.layout.gnss_position + axis);
@@ -46,8 +58,7 @@ Measurement gnss_position(const Estimate& e, const Geodetic& measured, const Vec
 Measurement gnss_velocity(const Estimate& e, const Vector3d& measured, const Vector3d& variance, const Vector3d& lever_arm_b,
                           int latency, Components use) {
     const Vector3d l_b = lever_arm(e, lever_arm_b);
-    const Vector3d w_ie_n = earth::terms_at(e.earth, e.nav.position, e.nav.v_eb_n).w_ie_n;
-    const Vector3d w_eb_b = e.w_ib_b - e.C_nb.transpose() * w_ie_n;
+    const Vector3d w_eb_b = rate_to_earth(e);
     const Vector3d s_n = e.C_nb * w_eb_b.cross(l_b);
     const Vector3d difference = e.nav.v_eb_n + s_n - measured;
     Matrix3d by_attitude = skew(s_n);

@@ -12,7 +12,7 @@ struct Components {
 };
 
 /// Antenna position compared with a measured geodetic position; variance in m^2 (NED). math.md 5.3 with u = each axis. If the
-/// latency is a state, the rotation of the lever arm during it is neglected.
+/// latency is a state, acceleration and rate during it are constant; the dependence of the acceleration on attitude is neglected.
 [[nodiscard]] Measurement gnss_position(const Estimate& estimate, const Geodetic& measured, const Eigen::Vector3d& variance,
                                         const Eigen::Vector3d& lever_arm_b, Components use);
 
