@@ -1,5 +1,6 @@
 // A start from a fix: the antenna is where the fix says, the unit is a lever arm away, in a direction as uncertain as the attitude.
 #include "schuler/filter/measurement/gnss.h"
+#include "schuler/filter/outputs.h"
 #include "schuler/filter/states/inertial_filter.h"
 #include "schuler/filter/states/model.h"
 #include "schuler/math/random.h"
@@ -54,6 +55,22 @@ void check_start(math::Random& random) {
     antenna.leftCols<3>().setIdentity();
     antenna.rightCols<3>() = math::skew(start.nav.q_nb * settings.gnss.lever_arm_b);
     RC_ASSERT((antenna * (reported - P) * antenna.transpose()).norm() < 1e-6);
+    // a solution of the antenna is the fix
+    InertialModel there = model;
+    there.at_antenna = true;
+    const Reported at = filter::reported(there, f, run.undecided(model));
+    RC_ASSERT(earth::ned_difference(model.earth, at.nav.position, start.nav.position).norm() < 1e-6);
+    for (int i = 0; i < 3; ++i) RC_ASSERT(std::abs(std::sqrt(at.P(i, i)) / start.std_position(i) - 1.0) < 1e-3);
+    if (settings.estimate_lever_arm) return;
+    // with a known lever arm it is that of a point of the body, also between corrections
+    InertialFilter<Frame> turning = f;
+    for (int k = 1; k < 4; ++k)
+        turning.propagate(model, {Time::from_seconds(0.01 * k), 0.01, 0.01 * random.normal3(), {0.0, 0.0, -0.098}}, {});
+    const SolutionRow row = solution_row(filter::reported(there, turning, run.undecided(model)));
+    const SolutionRow point = solution_row_at(turning.estimate(model), reported_covariance(model, turning, run.undecided(model)),
+                                              settings.gnss.lever_arm_b, Vector3d::Zero());
+    RC_ASSERT((row.v_eb_n - point.v_eb_n).norm() < 1e-9);
+    RC_ASSERT((row.std_position - point.std_position).norm() < 1e-4 * point.std_position.norm());
 }
 
 /// A lever arm turns at the rate of the instant of the fix, not at the mean rate of the step that ends there.

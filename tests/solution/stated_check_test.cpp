@@ -18,6 +18,7 @@ struct Case {
     Vector3d said = Vector3d::Zero(), true_b{0.4, -0.2, -1.1};  ///< m
     bool given = true;
     bool straight = false;
+    bool aloft = false;   ///< an aircraft
     bool shaken = false;  ///< engine, quick fixes of the velocity
     std::uint64_t seed = 21;
 };
@@ -31,11 +32,13 @@ std::optional<LeverArmDoubt> doubt_of(const Case& c) {
     }
     scenario.gnss.lever_arm_b = c.true_b;
     if (c.straight) scenario.path = sim::GreatCirclePath{{50.4 * deg, 30.5 * deg, 150.0}, 1.3, 8.0};
+    if (c.aloft) scenario.path = sim::FigureEightPath{.start = {50.4 * deg, 30.5 * deg, 900.0}, .heading = 0.3};
     const Recording recording = sim::simulate(scenario).recording;
     settings::Config config;
     config.filter = settings_of(scenario);
     give_start(config.filter, recording, c.seed);
     if (c.straight) config.filter.initial.std_rpy.z() = 0.7;
+    if (c.aloft) config.filter.aids.nonholonomic = config.filter.aids.nonholonomic_auto = false;
     config.filter.gnss.lever_arm_b = c.said;
     if (c.shaken) {
         config.filter.gnss.latency = 0.0;
@@ -74,6 +77,16 @@ TEST(LeverArm, OfAnAntennaAtTheUnitIsNotInvented) { EXPECT_FALSE(doubt_of({.true
 TEST(LeverArm, IsNotShortenedByVibration) {
     for (const std::uint64_t seed : {3U, 4U, 5U})
         EXPECT_FALSE(doubt_of({.said = {0.7, -0.4, -1.5}, .true_b = {0.7, -0.4, -1.5}, .shaken = true, .seed = seed}));
+}
+
+/// At the speed of an aircraft a latency acts as a lever arm does; the antenna moves against the unit faster than the velocities are
+/// uncertain.
+TEST(LeverArm, OfUnknownSizeLeavesTheSolutionToTheAntenna) {
+    const std::optional<LeverArmDoubt> doubt = doubt_of({.true_b = {-1.0, 0.5, -4.0}, .given = false, .aloft = true});
+    ASSERT_TRUE(doubt);
+    EXPECT_TRUE(doubt->unknown);
+    EXPECT_TRUE(doubt->settings.output_at_antenna);
+    EXPECT_FALSE(doubt_of({.said = {-1.0, 0.5, -4.0}, .true_b = {-1.0, 0.5, -4.0}, .aloft = true}));
 }
 
 /// Where the heading is unknown, no direction of the lever arm can be.

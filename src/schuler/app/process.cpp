@@ -99,7 +99,11 @@ bool check_what_is_stated(solution::ResultBundle& bundle, const fusion::RowSink&
         WarningLog heard;
         solution::fuse_and_evaluate(bundle, heard, solution::internal_rate(bundle.data), {}, rows);
     }
-    warnings.add(doubt->given ? "contradiction.gnss.lever_arm_m" : "found.gnss.lever_arm_m", doubt->text());
+    filter.output_at_antenna = doubt->settings.output_at_antenna;
+    warnings.add(doubt->unknown ? "unknown.gnss.lever_arm_m"
+                 : doubt->given ? "contradiction.gnss.lever_arm_m"
+                                : "found.gnss.lever_arm_m",
+                 doubt->text());
     if (!doubt->refuted) return true;
     bundle.data.given.erase("gnss.lever_arm_m");
     std::erase_if(bundle.data.facts, [](const Fact& f) { return f.key == "gnss.lever_arm_m"; });

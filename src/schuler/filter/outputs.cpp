@@ -25,6 +25,51 @@ SolutionRow solution_row(const NavState& nav, const Matrix9& P_n) {
     return row;
 }
 
+namespace {
+
+/// That of the antenna; the covariance of all states is at the time of the nominal state.
+template <class Frame>
+Reported antenna(const InertialModel& model, const InertialFilter<Frame>& f, const Matrix9& undecided) {
+    const Estimate e = f.estimate(model);
+    const Vector3d l_b = f.lever_arm(model), l_n = e.C_nb * l_b;
+    const Vector3d w_eb_b = e.w_ib_b - e.C_nb.transpose() * earth::terms_at(e.earth, e.nav.position, e.nav.v_eb_n).w_ie_n;
+    const Vector3d s_n = e.C_nb * w_eb_b.cross(l_b);
+    NavState there = e.nav;
+    there.position = earth::moved_by_ned(e.earth, e.nav.position, l_n);
+    there.v_eb_n += s_n;
+    Matrix9 by_unit = Matrix9::Identity();
+    by_unit.block<3, 3>(Layout::position, Layout::attitude) = math::skew(l_n);
+    by_unit.block<3, 3>(Layout::velocity, Layout::attitude) = math::skew(s_n);
+    const Matrix3d by_rate = e.C_nb * math::skew(l_b);
+    Eigen::Matrix<double, 9, Eigen::Dynamic, 0, 9, estim::max_states> J(9, f.P.cols());
+    J.setZero();
+    J.template leftCols<9>() = by_unit * f.to_local_level(model);
+    J.template block<3, 3>(Layout::velocity, Layout::gyro_bias) = by_rate;
+    if (const int own = model.layout.lever_arm; own >= 0) {
+        J.template block<3, 3>(Layout::position, own) = e.C_nb;
+        J.template block<3, 3>(Layout::velocity, own) = e.C_nb * math::skew(w_eb_b);
+    }
+    // what is not in the states refers to the unit
+    const Matrix9 besides = reported_covariance(model, f, undecided) - f.local_covariance(model);
+    Matrix9 P = J * f.P * J.transpose() + by_unit * besides * by_unit.transpose();
+    P.block<3, 3>(Layout::velocity, Layout::velocity) += e.rate_variance * by_rate * by_rate.transpose();
+    return {there, P};
+}
+
+}  // namespace
+
+template <class Frame>
+Reported reported(const InertialModel& model, const InertialFilter<Frame>& f, const Matrix9& undecided) {
+    if (!model.at_antenna) return {f.geographic(model), reported_covariance(model, f, undecided)};
+    if (!(f.gathered.time > 0.0)) return antenna(model, f, undecided);
+    InertialFilter<Frame> now = f;
+    estim::Transition phi;
+    (void)now.propagate_covariance(model, phi);
+    return antenna(model, now, undecided);
+}
+template Reported reported(const InertialModel&, const InertialFilter<GeographicFrame>&, const Matrix9&);
+template Reported reported(const InertialModel&, const InertialFilter<EarthFixedFrame>&, const Matrix9&);
+
 SolutionRow solution_row_at(const Estimate& e, const Matrix9& P_n, const Vector3d& lever_arm_b, const Vector3d& rate_variance) {
     const Vector3d l_n = e.C_nb * lever_arm_b;
     const Vector3d w_eb_b = e.w_ib_b - e.C_nb.transpose() * earth::terms_at(e.earth, e.nav.position, e.nav.v_eb_n).w_ie_n;

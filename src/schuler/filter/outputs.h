@@ -23,6 +23,16 @@ template <class Frame>
                            noise + f.P.diagonal().template segment<3>(Layout::gyro_bias).cwiseMax(0.0));
 }
 
+/// What is reported: the motion of the unit, or of the antenna if the model says so, with its 9 x 9 local-level error covariance.
+struct Reported {
+    NavState nav;
+    Matrix9 P;
+};
+[[nodiscard]] inline SolutionRow solution_row(const Reported& r) { return solution_row(r.nav, r.P); }
+/// `undecided`: FilterRun::undecided.
+template <class Frame>
+[[nodiscard]] Reported reported(const InertialModel& model, const InertialFilter<Frame>& f, const Matrix9& undecided);
+
 /// Sensor errors from the estimated parameters and the variances of all states.
 [[nodiscard]] SensorErrorRow sensor_error_row(Time time, const Layout& layout, const StateVector& parameters,
                                               const StateVector& variances);

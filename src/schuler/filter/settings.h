@@ -244,6 +244,7 @@ struct Settings {
     double output_rate = 10.0;        ///< Hz of the solution; 0 = every IMU epoch
     Eigen::Vector3d output_lever_arm_b =
         Eigen::Vector3d::Zero();        ///< m, IMU to a point whose solution is also output; zero: none
+    bool output_at_antenna = false;     ///< the solution is the motion of the antenna instead of that of the unit
     std::vector<Time> output_instants;  ///< in order: additional output times (Trajectory::instants)
     bool backward = false;              ///< run an additional filter backward in time (fusion/backward.h)
 };

@@ -36,12 +36,11 @@ public:
     void output(const FilterRun<Frame>& run, Time time) override {
         if (!options_.outputs) return;
         const Filter& f = run.filter;
-        const Matrix9 P = run.covariance(model_);
+        const auto [nav, P] = reported(model_, f, run.undecided(model_));
         if (settings_.loop == Loop::Open)
             result_.open_attitude = std::max(result_.open_attitude, f.error.template segment<3>(Layout::attitude).norm());
-        const NavState nav = f.geographic(model_);
         result_.forward.rows.push_back(solution_row(nav, P));
-        if (!settings_.output_lever_arm_b.isZero(0.0)) result_.forward.point.push_back(at_point(f, P));
+        if (!settings_.output_lever_arm_b.isZero(0.0)) result_.forward.point.push_back(at_point(f, run.covariance(model_)));
         if (covariance_due(time)) {
             result_.forward.covariances.push_back(covariance_row(time, model_.layout, f.P));
             covariance_slot_ = slot_of(time);
@@ -54,7 +53,11 @@ public:
         result_.forward.parameters.push_back(parameter_row(time, model_.layout, parameters, f.P));
     }
     void instant(const FilterRun<Frame>& run, std::size_t index) override {
-        if (options_.outputs) result_.forward.instants.push_back({index, at_point(run.filter, run.covariance(model_))});
+        if (!options_.outputs) return;
+        const bool elsewhere = !settings_.output_lever_arm_b.isZero(0.0);
+        result_.forward.instants.push_back({index, elsewhere
+                                                       ? at_point(run.filter, run.covariance(model_))
+                                                       : solution_row(reported(model_, run.filter, run.undecided(model_)))});
     }
     void outage_epoch(const FilterRun<Frame>& run, const Event& event, const Measurement& m, const AidRecord& r) override {
         result_.forward.outage_epochs.push_back(

@@ -46,6 +46,14 @@ const char* irreversible(const Settings& s) {
     return nullptr;
 }
 
+/// Settings whose results are those of the unit.
+const char* at_unit_only(const Settings& s) {
+    if (s.coupling != Coupling::Loose && s.coupling != Coupling::Tight) return "with couplings other than loose and tight";
+    if (s.backward) return "with a filter backward in time, which starts from it";
+    if (!s.output_lever_arm_b.isZero(0.0)) return "with a further output point";
+    return nullptr;
+}
+
 void check_settings(const Settings& s) {
     if (!(s.gnss.lever_arm_b.norm() < 1000.0))
         throw input_error(fmt::format("the lever arm is {:.6g} m long", s.gnss.lever_arm_b.norm()),
@@ -58,6 +66,9 @@ void check_settings(const Settings& s) {
                           "leave out one of them");
     if (const char* why = irreversible(s); s.backward && why != nullptr)
         throw input_error(fmt::format("there is no filter backward in time {}", why), {.file = {}, .key = "filter.backward"},
+                          "leave out one of them");
+    if (const char* why = at_unit_only(s); s.output_at_antenna && why != nullptr)
+        throw input_error(fmt::format("the solution is that of the unit {}", why), {.file = {}, .key = "output.at_antenna"},
                           "leave out one of them");
     if (s.output_rate < 0.0)
         throw input_error("the output rate is negative", {.file = {}, .key = "output_rate"},

@@ -75,8 +75,9 @@ void smooth_back(const Pass<Frame>& pass, const InertialModel& model, const Sett
     const auto report = [&](Kind kind, const typename Tape<Frame>::Point& point, const StateAdjoint& a) {
         InertialFilter<Frame> f = point.filter;
         const bool sensors = kind == Kind::Outage || point.time <= next_sensor;
-        smooth_in_place(model, f, a, sensors);
+        smooth_in_place(model, f, a, sensors || model.at_antenna);
         const auto at_point = [&] {
+            if (settings.output_lever_arm_b.isZero(0.0)) return solution_row(reported(model, f, point.undecided));
             return solution_row_at(model, f, reported_covariance(model, f, point.undecided), settings.output_lever_arm_b,
                                    imu_interval);
         };
@@ -85,7 +86,7 @@ void smooth_back(const Pass<Frame>& pass, const InertialModel& model, const Sett
             return;
         }
         if (kind == Kind::Output) {
-            out.rows.push_back(solution_row(f.geographic(model), reported_covariance(model, f, point.undecided)));
+            out.rows.push_back(solution_row(reported(model, f, point.undecided)));
             if (!settings.output_lever_arm_b.isZero(0.0)) out.point.push_back(at_point());
             if (!sensors) return;
             next_sensor = point.time - Duration::from_seconds(sensor_row_spacing);

@@ -177,11 +177,27 @@ std::vector<Ignored> ignored_of(const ResultBundle& b, const std::set<std::strin
     std::vector<Rule> rules = b.command == "gravity" ? gravity_rules(b) : std::vector<Rule>{};  // the first match is used
     std::ranges::move(sensor_rules(b), std::back_inserter(rules));
     if (b.data.config.scheme == settings::Scheme::Gnss && b.command != "gravity")
-        rules.insert(rules.begin(),
-                     {{"filter.", "output.lever_arm_m", "output.events", "vehicle.", "mag.", "baro.", "odometer.", "heading.",
-                       "compass.", "gauges.", "log.", "ranges.", "gnss.lever_arm_m", "gnss.use_velocity", "gnss.latency_std_s",
-                       "gnss.velocity_latency_std_s", "gnss.correlated_", "gnss.change_", "gnss.consider_errors"},
-                      "the scheme is \"gnss\": there is no filter"});
+        rules.insert(rules.begin(), {{"filter.",
+                                      "output.lever_arm_m",
+                                      "output.at_antenna",
+                                      "output.events",
+                                      "vehicle.",
+                                      "mag.",
+                                      "baro.",
+                                      "odometer.",
+                                      "heading.",
+                                      "compass.",
+                                      "gauges.",
+                                      "log.",
+                                      "ranges.",
+                                      "gnss.lever_arm_m",
+                                      "gnss.use_velocity",
+                                      "gnss.latency_std_s",
+                                      "gnss.velocity_latency_std_s",
+                                      "gnss.correlated_",
+                                      "gnss.change_",
+                                      "gnss.consider_errors"},
+                                     "the scheme is \"gnss\": there is no filter"});
     else if (b.command != "gravity") std::ranges::move(inertial_rules(b), std::back_inserter(rules));
     std::vector<Ignored> ignored;
     for (const std::string& key : given) {

@@ -3,6 +3,7 @@
 #include "schuler/core/units.h"
 #include "schuler/fusion/legs.h"
 #include "schuler/fusion/run_filter.h"
+#include "schuler/math/rotation.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/solution/loaded_dataset.h"
 
@@ -18,8 +19,9 @@ using Eigen::Vector3d;
 
 struct Estimate {
     Vector3d value, std;
-    double heading_std = 0.0;  // rad
-    double speed = 0.0;        // m/s, root mean square
+    double heading_std = 0.0;   // rad
+    double speed = 0.0;         // m/s, root mean square
+    double std_velocity = 0.0;  // m/s, median of its norm
 };
 
 /// The lever arm at the end of a run with it as a state.
@@ -55,7 +57,37 @@ std::optional<Estimate> at_the_end(const LoadedDataset& data, fusion::Settings s
     for (const SolutionRow& row : r.forward.rows)
         e.speed += row.v_eb_n.squaredNorm() / static_cast<double>(r.forward.rows.size());
     e.speed = std::sqrt(e.speed);
+    std::vector<double> std_velocity;
+    for (const SolutionRow& row : r.forward.rows) std_velocity.push_back(row.std_velocity.norm());
+    const auto middle = std_velocity.begin() + static_cast<std::ptrdiff_t>(std_velocity.size() / 2);
+    std::ranges::nth_element(std_velocity, middle);
+    e.std_velocity = *middle;
     return e;
+}
+
+/// Mean square of the angular rate about its mean, body axes, rad^2/s^2.
+Vector3d turning_of(const Recording& log, const fusion::ImuSettings& imu) {
+    const Eigen::Matrix3d C_bs = math::dcm_from_rpy(imu.mounting_rpy) * imu.C_bs;
+    Vector3d sum = Vector3d::Zero(), square = Vector3d::Zero();
+    double n = 0.0;
+    for (std::size_t k = 1; k < log.imu.size(); ++k) {
+        const double dt = (log.imu[k].time - log.imu[k - 1].time).seconds();
+        if (!(dt > 0.0)) continue;
+        const Vector3d rate = C_bs * log.imu[k].gyro / (imu.kind == ImuKind::Increments ? dt : 1.0);
+        if (!rate.allFinite()) continue;
+        sum += rate;
+        square += rate.cwiseAbs2();
+        n += 1.0;
+    }
+    return n > 0.0 ? Vector3d((square / n - (sum / n).cwiseAbs2()).cwiseMax(0.0)) : Vector3d(Vector3d::Zero());
+}
+
+/// True if an antenna where the log leaves it possible would move against the unit as fast as the velocity is uncertain.
+bool matters(const Estimate& e, const Vector3d& turning) {
+    constexpr double longest = 2.0, part = 0.5;  // m
+    const Vector3d possible = (e.value.cwiseAbs() + e.std).cwiseMin(longest);
+    const Vector3d across = Vector3d::Constant(turning.sum()) - turning;  // about the other two axes
+    return std::sqrt(possible.cwiseAbs2().dot(across)) > part * e.std_velocity;
 }
 
 std::string numbers(const Vector3d& v) { return fmt::format("[{:.2f}, {:.2f}, {:.2f}]", v.x(), v.y(), v.z()); }
@@ -63,6 +95,11 @@ std::string numbers(const Vector3d& v) { return fmt::format("[{:.2f}, {:.2f}, {:
 }  // namespace
 
 std::string LeverArmDoubt::text() const {
+    if (unknown)
+        return fmt::format(
+            "gnss.lever_arm_m is not given, and the log does not show it well enough ({} +- {} m): the solution is that of the "
+            "antenna; give the lever arm for that of the unit",
+            numbers(found_b), numbers(std_b));
     if (!given)
         return fmt::format(
             "gnss.lever_arm_m is not given; the fixes show that the antenna is {} +- {} m from the unit (forward, right, down), "
@@ -95,17 +132,28 @@ std::optional<LeverArmDoubt> doubt_of_lever_arm(const LoadedDataset& data, const
     // s: latencies and the times over which receivers average act along the track as a lever arm does. At the speed of an aircraft that
     // is as much as the lever arm itself.
     constexpr double averaging = 0.01, short_arm = 0.3;  // m
+    const auto at_antenna = [&](const Estimate& e) -> std::optional<LeverArmDoubt> {
+        const fusion::Settings& s = doubt.settings;
+        if (doubt.given || s.backward || !s.output_lever_arm_b.isZero(0.0) || !matters(e, turning_of(data.recording, s.imu)))
+            return std::nullopt;
+        doubt.unknown = doubt.settings.output_at_antenna = true;
+        doubt.settings.gnss.found_lever_arm_std.setZero();
+        doubt.found_b = e.value;
+        doubt.std_b = e.std;
+        return doubt;
+    };
     for (int k = 0; k < walks; ++k) {
         fusion::Settings trial = doubt.settings;
         if (k > 0) trial.gnss.lever_arm_b = doubt.found_b;
         const std::optional<Estimate> e = at_the_end(data, trial);
-        if (!e || !e->value.allFinite() || e->value.norm() > 100.0 || !(e->heading_std < known)) return std::nullopt;
+        if (!e || !e->value.allFinite() || e->value.norm() > 100.0) return std::nullopt;
+        if (!(e->heading_std < known)) return at_antenna(*e);
         doubt.found_b = e->value;
         const double along = averaging * e->speed;
-        if (!doubt.given && along > short_arm) return std::nullopt;
+        if (!doubt.given && along > short_arm) return at_antenna(*e);
         doubt.settings.gnss.found_lever_arm_std = {std::hypot(centimetres, along), centimetres, centimetres};
         doubt.std_b = (e->std.cwiseAbs2() + doubt.settings.gnss.found_lever_arm_std.cwiseAbs2()).cwiseSqrt();
-        if (!beyond(5.0, least)) return std::nullopt;
+        if (!beyond(5.0, least)) return at_antenna(*e);
         if ((e->value - trial.gnss.lever_arm_b).cwiseAbs().maxCoeff() < settled) break;
     }
     doubt.refuted = !doubt.given || (beyond(10.0, sure) && !data.config.run.keep_given);

@@ -9,18 +9,19 @@
 
 namespace schuler::solution {
 
-/// A discrepancy of five sigma or more between the lever arm and the log.
+/// A discrepancy of five sigma or more between the lever arm and the log; or one of `unknown` size that matters.
 struct LeverArmDoubt {
     Eigen::Vector3d given_b = Eigen::Vector3d::Zero(), found_b = Eigen::Vector3d::Zero();  ///< m, forward-right-down
     Eigen::Vector3d std_b = Eigen::Vector3d::Zero();                                       ///< m, of the estimated lever arm
     bool given = false;         ///< by the user; otherwise the antenna was taken to be at the unit
     bool refuted = false;       ///< beyond doubt: the estimated value is used
+    bool unknown = false;       ///< not given, and not shown by the log: the solution is that of the antenna
     fusion::Settings settings;  ///< for repeating the run with the lever arm as a state
     [[nodiscard]] std::string text() const;
 };
 
 /// Processes the log again with the lever arm as a state, and once more from the result if it moved far. Empty if it is already a
-/// state, if the log agrees or does not observe it (neither does it with an unknown heading), or with filter.self_check off.
+/// state, if the log agrees, if a given one is not observed (neither is it with an unknown heading), or with filter.self_check off.
 [[nodiscard]] std::optional<LeverArmDoubt> doubt_of_lever_arm(const LoadedDataset& data, const fusion::Result& result);
 
 }  // namespace schuler::solution

@@ -44,6 +44,7 @@ struct InertialModel {
     double gyro_vibration = 0.0, accel_vibration = 0.0;             ///< ImuSettings, scaled as the noise
     double found_mounting_std = 0.0;                                ///< rad, ImuSettings
     Eigen::Vector3d found_lever_arm_std = Eigen::Vector3d::Zero();  ///< m, GnssSettings
+    bool at_antenna = false;                                        ///< the solution is that of the antenna
     double leeway_std = 0.0;                                        ///< rad, if the heading sensor is the course of a ship
     std::array<StateProcess, estim::max_states> process{};          ///< of the states from index 9 on
     Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();          ///< m, of the GNSS antenna; of its state the first value

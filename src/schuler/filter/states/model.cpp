@@ -167,6 +167,7 @@ InertialModel make_model(const Settings& settings, const Layout& layout) {
     model.found_mounting_std = settings.imu.found_mounting_std;
     model.lever_arm_b = settings.gnss.lever_arm_b;
     model.found_lever_arm_std = settings.gnss.found_lever_arm_std;
+    model.at_antenna = settings.output_at_antenna && model.eccentric();
     const auto bound = [&model](int offset, double sigma) { model.floor.segment<3>(offset).setConstant(sigma * sigma); };
     bound(Layout::position, settings.aids.floor_position);
     bound(Layout::velocity, settings.aids.floor_velocity);

@@ -213,7 +213,8 @@ public:
 
 private:
     NavigatorState state_of(const InertialFilter<Frame>& f, const Matrix9& undecided) const {
-        return {f.geographic(model_), reported_covariance(model_, f, undecided)};
+        const Reported r = reported(model_, f, undecided);
+        return {r.nav, r.P};
     }
 
     void set_out(const Start& start, double baro_height) override {
@@ -278,7 +279,7 @@ private:
     void ranges(const FilterRun<Frame>&, const RangeEpoch&) override { changed_ = true; }
     bool wants_all_states(Time time) const override { return time >= next_all_states_; }
     void output(const FilterRun<Frame>& run, Time time) override {
-        add_row(solution_row(run.filter.geographic(model_), run.covariance(model_)));
+        add_row(solution_row(reported(model_, run.filter, run.undecided(model_))));
         while (next_all_states_ <= time) next_all_states_ = next_all_states_ + Duration{1'000'000'000};  // same rows as a batch
     }
     void aid(const AidRecord& r) override {

@@ -88,6 +88,7 @@ std::uint64_t NavigatorEngine::fingerprint() const {
                            s.aids.nonholonomic,
                            s.aids.nonholonomic_auto,
                            s.heading.by_course,
+                           s.output_at_antenna,
                            g.use_velocity,
                            s.ranging.use_rates,
                            s.ranging.use_stations,

@@ -108,6 +108,11 @@ void add_run_options(OptionTable<Config>& table) {
             "output.lever_arm_m", 1.0, -1e4, 1e4,
             "lever arm from the IMU to a further output point (point.csv): forward, right, down; events refer to that point",
             [](auto& c) -> auto& { return c.filter.output_lever_arm_b; }))
+        .add(flag<Config>(
+            "output.at_antenna",
+            "the solution is the motion of the GNSS antenna instead of that of the IMU; `process` takes it where the "
+            "lever arm is neither given nor shown by the log",
+            [](auto& c) -> auto& { return c.filter.output_at_antenna; }))
         .add(text<Config>("output.events",
                           "file of instants (time_s, name) at which the solution is output as well: events.csv, one row each",
                           [](auto& c) -> auto& { return c.output.events; }))
