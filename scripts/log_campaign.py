@@ -45,7 +45,8 @@ def written(program, one, folder):
 
 def motion_of(truth, one, outcome):
     """That of the point to which the solution refers: the unit if its lever arm was told or found, otherwise the antenna."""
-    known = one.told or any(fact["key"] == "gnss.lever_arm_m" and fact["how"] == "found" for fact in outcome.summary.get("facts", []))
+    found = any(fact["key"] == "gnss.lever_arm_m" and fact["how"] == "found" for fact in outcome.summary.get("facts", []))
+    known = (one.told or found) and outcome.summary["point"] == "imu"
     return truth if known or not any(one.lever_arm) else truth.at_point(one.lever_arm)
 
 

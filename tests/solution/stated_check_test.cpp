@@ -33,7 +33,8 @@ std::optional<LeverArmDoubt> doubt_of(const Case& c) {
     scenario.gnss.lever_arm_b = c.true_b;
     if (c.straight) scenario.path = sim::GreatCirclePath{{50.4 * deg, 30.5 * deg, 150.0}, 1.3, 8.0};
     if (c.aloft) scenario.path = sim::FigureEightPath{.start = {50.4 * deg, 30.5 * deg, 900.0}, .heading = 0.3};
-    const Recording recording = sim::simulate(scenario).recording;
+    Recording recording = sim::simulate(scenario).recording;
+    recording.reference.clear();
     settings::Config config;
     config.filter = settings_of(scenario);
     give_start(config.filter, recording, c.seed);

@@ -95,16 +95,18 @@ bool check_what_is_stated(solution::ResultBundle& bundle, const fusion::RowSink&
     filter.estimate_lever_arm = true;
     filter.gnss.found_lever_arm_std = doubt->settings.gnss.found_lever_arm_std;
     if (doubt->refuted) {  // noise and latencies were estimated with the wrong one
-        filter.gnss.lever_arm_b = doubt->found_b;
+        filter.gnss.lever_arm_b = doubt->settings.gnss.lever_arm_b;
         WarningLog heard;
         solution::fuse_and_evaluate(bundle, heard, solution::internal_rate(bundle.data), {}, rows);
     }
+    filter.gnss.lever_arm_std = doubt->settings.gnss.lever_arm_std;
     filter.output_at_antenna = doubt->settings.output_at_antenna;
     warnings.add(doubt->unknown ? "unknown.gnss.lever_arm_m"
                  : doubt->given ? "contradiction.gnss.lever_arm_m"
                                 : "found.gnss.lever_arm_m",
                  doubt->text());
-    if (!doubt->refuted) return true;
+    if (doubt->settings.gnss.lever_arm_b == doubt->given_b) return true;
+    filter.gnss.lever_arm_b = doubt->settings.gnss.lever_arm_b;
     bundle.data.given.erase("gnss.lever_arm_m");
     std::erase_if(bundle.data.facts, [](const Fact& f) { return f.key == "gnss.lever_arm_m"; });
     Fact& fact = bundle.data.facts.emplace_back();

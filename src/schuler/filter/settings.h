@@ -61,6 +61,7 @@ struct ImuSettings {
 /// GNSS: antenna, ages and noise.
 struct GnssSettings {
     Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();  ///< m, IMU to antenna, forward-right-down
+    double lever_arm_std = 1.0;                             ///< m, one sigma of each component, if it is a state
     /// m, body axes, one sigma: what a lever arm that was found may be wrong by beyond the sigma of its state; part of the reported
     /// position alone.
     Eigen::Vector3d found_lever_arm_std = Eigen::Vector3d::Zero();

@@ -105,6 +105,7 @@ std::vector<Rule> gravity_rules(const ResultBundle& b) {
             {{"filter.integrity."}, by_survey("gravimetry does not exclude the receiver")},
             {{"filter.zero_", "filter.nonholonomic", "filter.detect_wheels", "filter.constraint_rate_hz", "odometer."},
              by_survey("gravimetry uses no wheels and no standstill")},
+            {{"output.at_antenna"}, "gravimetry is that of the unit"},
             {{"mag."}, by_survey("gravimetry uses no magnetometer")},
             {{"baro."}, unless(c.gravity.height_aid, by_survey("the barometer is used with gravity.height_aid only"))},
             {{"filter.self_check"}, "it belongs to `schuler process`"},
@@ -157,6 +158,7 @@ std::vector<Rule> sensor_rules(const ResultBundle& b) {
                                       : "velocities are not used (gnss.use_velocity)")},
         {{"gnss.velocity_latency_s", "gnss.velocity_down_latency_s"},
          unless(velocities, f.gnss.use_velocity ? "the log has no velocities" : "velocities are not used (gnss.use_velocity)")},
+        {{"gnss.lever_arm_std_m"}, unless(f.estimate_lever_arm, "the lever arm is no state (filter.estimate_lever_arm)")},
         {{"gnss.use_velocity"}, unless(velocities || !f.gnss.use_velocity, "the log has no velocities")},
         {{"initial.lat_deg", "initial.lon_deg", "initial.height_m"},
          unless(position, "only latitude, longitude and height together are a position to start from")},
@@ -177,27 +179,12 @@ std::vector<Ignored> ignored_of(const ResultBundle& b, const std::set<std::strin
     std::vector<Rule> rules = b.command == "gravity" ? gravity_rules(b) : std::vector<Rule>{};  // the first match is used
     std::ranges::move(sensor_rules(b), std::back_inserter(rules));
     if (b.data.config.scheme == settings::Scheme::Gnss && b.command != "gravity")
-        rules.insert(rules.begin(), {{"filter.",
-                                      "output.lever_arm_m",
-                                      "output.at_antenna",
-                                      "output.events",
-                                      "vehicle.",
-                                      "mag.",
-                                      "baro.",
-                                      "odometer.",
-                                      "heading.",
-                                      "compass.",
-                                      "gauges.",
-                                      "log.",
-                                      "ranges.",
-                                      "gnss.lever_arm_m",
-                                      "gnss.use_velocity",
-                                      "gnss.latency_std_s",
-                                      "gnss.velocity_latency_std_s",
-                                      "gnss.correlated_",
-                                      "gnss.change_",
-                                      "gnss.consider_errors"},
-                                     "the scheme is \"gnss\": there is no filter"});
+        rules.insert(rules.begin(),
+                     {{{"output.at_antenna"}, "the solution is that of the receiver"},
+                      {{"filter.", "output.lever_arm_m", "output.events", "vehicle.", "mag.", "baro.", "odometer.", "heading.",
+                        "compass.", "gauges.", "log.", "ranges.", "gnss.lever_arm_m", "gnss.use_velocity", "gnss.latency_std_s",
+                        "gnss.velocity_latency_std_s", "gnss.correlated_", "gnss.change_", "gnss.consider_errors"},
+                       "the scheme is \"gnss\": there is no filter"}});
     else if (b.command != "gravity") std::ranges::move(inertial_rules(b), std::back_inserter(rules));
     std::vector<Ignored> ignored;
     for (const std::string& key : given) {

@@ -84,8 +84,8 @@ Vector3d turning_of(const Recording& log, const fusion::ImuSettings& imu) {
 
 /// True if an antenna where the log leaves it possible would move against the unit as fast as the velocity is uncertain.
 bool matters(const Estimate& e, const Vector3d& turning) {
-    constexpr double longest = 2.0, part = 0.5;  // m
-    const Vector3d possible = (e.value.cwiseAbs() + e.std).cwiseMin(longest);
+    constexpr double part = 0.5;
+    const Vector3d possible = e.value.cwiseAbs() + e.std.cwiseMin(2.0);   // m
     const Vector3d across = Vector3d::Constant(turning.sum()) - turning;  // about the other two axes
     return std::sqrt(possible.cwiseAbs2().dot(across)) > part * e.std_velocity;
 }
@@ -119,6 +119,9 @@ std::optional<LeverArmDoubt> doubt_of_lever_arm(const LoadedDataset& data, const
     doubt.given = data.given.contains("gnss.lever_arm_m");
     if (doubt.settings.estimate_lever_arm || (!doubt.given && !doubt.given_b.isZero(0.0))) return std::nullopt;
     doubt.settings.estimate_lever_arm = true;
+    constexpr double mast = 10.0;  // m
+    double& prior = doubt.settings.gnss.lever_arm_std;
+    if (!doubt.given && doubt.settings.vehicle == fusion::VehicleKind::Ship) prior = mast;
     // without tilt the down component is absorbed by the height of the unit; centimetres are within the receiver's errors
     constexpr double least = 0.1, sure = 0.3;  // m
     const auto beyond = [&](double sigmas, double metres) {
@@ -126,36 +129,41 @@ std::optional<LeverArmDoubt> doubt_of_lever_arm(const LoadedDataset& data, const
         return ((off.array() > sigmas * doubt.std_b.array()) && (off.array() > metres)).any();
     };
     constexpr int walks = 3;
-    constexpr double settled = 0.5;             // m, half the initial sigma of the state
+    const double settled = 0.5 * prior;         // m
     constexpr double known = 3.0 * units::deg;  // a lever arm turned by the error of the heading is another one
     constexpr double centimetres = 0.05;        // m
     // s: latencies and the times over which receivers average act along the track as a lever arm does. At the speed of an aircraft that
     // is as much as the lever arm itself.
     constexpr double averaging = 0.01, short_arm = 0.3;  // m
-    const auto at_antenna = [&](const Estimate& e) -> std::optional<LeverArmDoubt> {
-        const fusion::Settings& s = doubt.settings;
-        if (doubt.given || s.backward || !s.output_lever_arm_b.isZero(0.0) || !matters(e, turning_of(data.recording, s.imu)))
-            return std::nullopt;
+    const fusion::Settings& in_force = doubt.settings;
+    const bool movable =
+        !doubt.given && !in_force.backward && in_force.output_lever_arm_b.isZero(0.0) && data.recording.reference.empty();
+    const auto at_antenna = [&](const Estimate& e, const Vector3d& from) -> std::optional<LeverArmDoubt> {
+        if (!movable || !matters(e, turning_of(data.recording, in_force.imu))) return std::nullopt;
         doubt.unknown = doubt.settings.output_at_antenna = true;
+        doubt.settings.gnss.lever_arm_b = from;
         doubt.settings.gnss.found_lever_arm_std.setZero();
         doubt.found_b = e.value;
         doubt.std_b = e.std;
         return doubt;
     };
+    std::optional<Estimate> e;
+    bool direction = false;  // of the lever arm, known
     for (int k = 0; k < walks; ++k) {
         fusion::Settings trial = doubt.settings;
         if (k > 0) trial.gnss.lever_arm_b = doubt.found_b;
-        const std::optional<Estimate> e = at_the_end(data, trial);
+        e = at_the_end(data, trial);
         if (!e || !e->value.allFinite() || e->value.norm() > 100.0) return std::nullopt;
-        if (!(e->heading_std < known)) return at_antenna(*e);
-        doubt.found_b = e->value;
         const double along = averaging * e->speed;
-        if (!doubt.given && along > short_arm) return at_antenna(*e);
+        direction = e->heading_std < known && (doubt.given || along < short_arm);
+        if (!direction && !movable) return std::nullopt;
+        doubt.found_b = e->value;
         doubt.settings.gnss.found_lever_arm_std = {std::hypot(centimetres, along), centimetres, centimetres};
         doubt.std_b = (e->std.cwiseAbs2() + doubt.settings.gnss.found_lever_arm_std.cwiseAbs2()).cwiseSqrt();
-        if (!beyond(5.0, least)) return at_antenna(*e);
+        if (!beyond(5.0, least)) return at_antenna(*e, doubt.given_b);
         if ((e->value - trial.gnss.lever_arm_b).cwiseAbs().maxCoeff() < settled) break;
     }
+    if (!direction) return at_antenna(*e, e->value);
     doubt.refuted = !doubt.given || (beyond(10.0, sure) && !data.config.run.keep_given);
     if (doubt.refuted) doubt.settings.gnss.lever_arm_b = doubt.found_b;
     return doubt;

@@ -360,7 +360,7 @@ void set_out(FilterRun<Frame>& run, const InertialModel& model, const Settings& 
     }
     if (L.lever_arm >= 0) {
         f.parameters.template segment<3>(L.lever_arm) = settings.gnss.lever_arm_b;
-        P.set(L.lever_arm, 3, 1.0);
+        P.set(L.lever_arm, 3, settings.gnss.lever_arm_std);
     }
     P.baro(baro_height, settings.baro, nav);
     P.shown_heading(L.mag_bias, settings.mag.bias_std, start.heading_of_mag);

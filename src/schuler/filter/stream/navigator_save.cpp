@@ -52,7 +52,7 @@ std::uint64_t NavigatorEngine::fingerprint() const {
                               settings.lag, settings.imu_interval, settings.still_delay, settings.longest_hole,
                               settings.still.force_std, settings.still.rate_std,
                               g.latency, latency(g.velocity_latency), latency(g.height_latency), latency(g.velocity_down_latency), latency(g.jitter),
-                              g.std_scale, g.velocity_std_scale, g.consider_errors ? 1.0 : 0.0, s.baro.std, s.mag.heading_std, s.odometer.std, s.heading.std,
+                              g.lever_arm_std, g.std_scale, g.velocity_std_scale, g.consider_errors ? 1.0 : 0.0, s.baro.std, s.mag.heading_std, s.odometer.std, s.heading.std,
                               s.aids.gate_probability, s.aids.constraint_rate, s.output_rate,
                               s.aids.zero_velocity_std, s.aids.zero_rate_std, s.aids.nonholonomic_std_lateral, s.aids.nonholonomic_std_vertical,
                               s.aids.floor_position, s.aids.floor_velocity, s.aids.floor_attitude, s.aids.floor_gyro_bias, s.aids.floor_accel_bias,

@@ -63,6 +63,9 @@ void add_gnss_options(OptionTable<Config>& table) {
     table.add(fix_codes_option())
         .add(vector3<Config>("gnss.lever_arm_m", 1.0, -100, 100, "IMU to antenna, body axes forward, right, down",
                              gnss(&GnssSettings::lever_arm_b)))
+        .add(number<Config>("gnss.lever_arm_std_m", 1.0, 1e-4, 1000,
+                            "one sigma of each component of the lever arm, where it is a state (filter.estimate_lever_arm)",
+                            gnss(&GnssSettings::lever_arm_std)))
         .add(vector3<Config>(
             "gnss.found_lever_arm_std_m", 1.0, 0, 100,
             "one sigma of a lever arm that was found, beyond that of its state; the reported position includes it",
