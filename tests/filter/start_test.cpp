@@ -59,7 +59,8 @@ void check_start(math::Random& random) {
     InertialModel there = model;
     there.at_antenna = true;
     const Reported at = filter::reported(there, f, run.undecided(model));
-    RC_ASSERT(earth::ned_difference(model.earth, at.nav.position, start.nav.position).norm() < 1e-6);
+    // the way there and back along the arm differs by its square over the radius of the parallel
+    RC_ASSERT(earth::ned_difference(model.earth, at.nav.position, start.nav.position).norm() < 1e-4);
     for (int i = 0; i < 3; ++i) RC_ASSERT(std::abs(std::sqrt(at.P(i, i)) / start.std_position(i) - 1.0) < 1e-3);
     if (settings.estimate_lever_arm) return;
     // with a known lever arm it is that of a point of the body, also between corrections
