@@ -97,8 +97,8 @@ std::string numbers(const Vector3d& v) { return fmt::format("[{:.2f}, {:.2f}, {:
 std::string LeverArmDoubt::text() const {
     if (unknown)
         return fmt::format(
-            "gnss.lever_arm_m is not given, and the log does not show it well enough ({} +- {} m): the solution is that of the "
-            "antenna; give the lever arm for that of the unit",
+            "gnss.lever_arm_m is not given, and the log shows no more of it than {} +- {} m: the solution is that of the antenna; "
+            "give the lever arm for that of the unit",
             numbers(found_b), numbers(std_b));
     if (!given)
         return fmt::format(
