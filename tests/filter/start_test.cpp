@@ -62,7 +62,24 @@ void check_start(math::Random& random) {
     // the way there and back along the arm differs by its square over the radius of the parallel
     RC_ASSERT(earth::ned_difference(model.earth, at.nav.position, start.nav.position).norm() < 1e-4);
     for (int i = 0; i < 3; ++i) RC_ASSERT(std::abs(std::sqrt(at.P(i, i)) / start.std_position(i) - 1.0) < 1e-3);
-    if (settings.estimate_lever_arm) return;
+    if (const int own = model.layout.lever_arm; own >= 0) {  // what an error of the lever arm alone causes, against differences
+        InertialFilter<Frame> turning = f;
+        turning.w_ib_b = random.normal3();
+        turning.P.setZero();
+        const int axis = static_cast<int>(3.0 * random.uniform());
+        turning.P(own + axis, own + axis) = 1.0;
+        InertialFilter<Frame> longer = turning;
+        constexpr double step = 1e-3;  // m
+        longer.parameters(own + axis) += step;
+        const Reported one = filter::reported(there, turning, Matrix9::Zero()),
+                       two = filter::reported(there, longer, Matrix9::Zero());
+        const Vector3d place = earth::ned_difference(model.earth, two.nav.position, one.nav.position) / step;
+        const Vector3d velocity = (two.nav.v_eb_n - one.nav.v_eb_n) / step;
+        RC_ASSERT((one.P.topLeftCorner<3, 3>() - place * place.transpose()).norm() < 1e-3);
+        RC_ASSERT((one.P.block<3, 3>(3, 3) - velocity * velocity.transpose()).norm() < 1e-3 * (1.0 + velocity.squaredNorm()));
+        RC_ASSERT((one.P.block<3, 3>(0, 3) - place * velocity.transpose()).norm() < 1e-3);
+        return;
+    }
     // with a known lever arm it is that of a point of the body, also between corrections
     InertialFilter<Frame> turning = f;
     for (int k = 1; k < 4; ++k)
@@ -95,6 +112,33 @@ TEST(RateAtTheFix, IsThatOfTheEndOfTheStep) {
             EXPECT_LT((f.w_ib_b - t * acceleration).norm(), 1e-12) << t;
         }
     }
+}
+
+/// The rows of an estimated latency are straight lines: it does not move the instant of the rate any more than an unknown one.
+TEST(RateAtTheFix, IsAsUncertainByAnEstimatedLatencyAsByAnUnknownOne) {
+    Settings settings;
+    settings.gnss.lever_arm_b = {0.5, 0.0, -1.0};
+    settings.gnss.latency_std = 0.05;
+    const Recording recording;
+    const InertialModel model = make_model(settings, make_layout(settings, recording));
+    InertialFilter<GeographicFrame> f(model);
+    NavState nav;
+    nav.position = {0.8, 0.3, 100.0};
+    nav.v_eb_n.setZero();
+    nav.q_nb.setIdentity();
+    f.set_nav(nav);
+    const double dt = 0.01, w = 60.0;  // s, rad/s
+    for (int k = 1; k <= 100; ++k) {
+        const Vector3d rate(0.1 * std::cos(w * dt * k), 0.0, 0.0);
+        f.propagate(model, {Time::from_seconds(dt * k), dt, rate * dt, {0.0, 0.0, -9.8 * dt}}, {});
+    }
+    const int latency = model.layout.gnss_latency;
+    InertialFilter<GeographicFrame> estimated = f, unknown = f;
+    estimated.P(latency, latency) = 0.0;
+    estimated.parameters(latency) = 0.01;
+    unknown.P(latency, latency) = 1e-4;
+    EXPECT_NEAR(estimated.rate_variance(model), unknown.rate_variance(model), 1e-12);
+    EXPECT_GT(unknown.rate_variance(model), 5e-4);  // (rad/s)^2: six tenths of a radian of the phase
 }
 
 RC_GTEST_PROP(StartAtTheAntenna, KnowsTheAntennaAndNotTheUnit, ()) {

@@ -23,7 +23,7 @@ def names(path):
 
 class Stubs(unittest.TestCase):
     def test_made_ones_are_current(self):
-        done = subprocess.run([sys.executable, SOURCE / "scripts/python_stubs.py", "--check"], capture_output=True, text=True)
+        done = subprocess.run([sys.executable, SOURCE / "scripts/python_types.py", "--check"], capture_output=True, text=True)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
 
     def test_package(self):

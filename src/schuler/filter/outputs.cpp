@@ -27,33 +27,43 @@ SolutionRow solution_row(const NavState& nav, const Matrix9& P_n) {
 
 namespace {
 
+/// A point of the body, and the effect of an error of the unit's motion, and of the rate, on its own.
+struct PointMotion {
+    NavState nav;
+    Matrix9 by_unit = Matrix9::Identity();
+    Matrix3d by_rate;  // of the velocity, by an error of the rate that is subtracted (gyro bias)
+};
+
+PointMotion motion_of(const Estimate& e, const Vector3d& l_b) {
+    const Vector3d l_n = e.C_nb * l_b, s_n = e.C_nb * rate_to_earth(e).cross(l_b);
+    PointMotion m;
+    m.nav = e.nav;
+    m.nav.position = earth::moved_by_ned(e.earth, e.nav.position, l_n);
+    m.nav.v_eb_n += s_n;
+    m.by_unit.block<3, 3>(Layout::position, Layout::attitude) = math::skew(l_n);
+    m.by_unit.block<3, 3>(Layout::velocity, Layout::attitude) = math::skew(s_n);
+    m.by_rate = e.C_nb * math::skew(l_b);
+    return m;
+}
+
 /// That of the antenna; the covariance of all states is at the time of the nominal state.
 template <class Frame>
 Reported antenna(const InertialModel& model, const InertialFilter<Frame>& f, const Matrix9& undecided) {
     const Estimate e = f.estimate(model);
-    const Vector3d l_b = f.lever_arm(model), l_n = e.C_nb * l_b;
-    const Vector3d w_eb_b = e.w_ib_b - e.C_nb.transpose() * earth::terms_at(e.earth, e.nav.position, e.nav.v_eb_n).w_ie_n;
-    const Vector3d s_n = e.C_nb * w_eb_b.cross(l_b);
-    NavState there = e.nav;
-    there.position = earth::moved_by_ned(e.earth, e.nav.position, l_n);
-    there.v_eb_n += s_n;
-    Matrix9 by_unit = Matrix9::Identity();
-    by_unit.block<3, 3>(Layout::position, Layout::attitude) = math::skew(l_n);
-    by_unit.block<3, 3>(Layout::velocity, Layout::attitude) = math::skew(s_n);
-    const Matrix3d by_rate = e.C_nb * math::skew(l_b);
+    const PointMotion m = motion_of(e, f.lever_arm(model));
     Eigen::Matrix<double, 9, Eigen::Dynamic, 0, 9, estim::max_states> J(9, f.P.cols());
     J.setZero();
-    J.template leftCols<9>() = by_unit * f.to_local_level(model);
-    J.template block<3, 3>(Layout::velocity, Layout::gyro_bias) = by_rate;
+    J.template leftCols<9>() = m.by_unit * f.to_local_level(model);
+    J.template block<3, 3>(Layout::velocity, Layout::gyro_bias) = m.by_rate;
     if (const int own = model.layout.lever_arm; own >= 0) {
         J.template block<3, 3>(Layout::position, own) = e.C_nb;
-        J.template block<3, 3>(Layout::velocity, own) = e.C_nb * math::skew(w_eb_b);
+        J.template block<3, 3>(Layout::velocity, own) = e.C_nb * math::skew(rate_to_earth(e));
     }
     // what is not in the states refers to the unit
     const Matrix9 besides = reported_covariance(model, f, undecided) - f.local_covariance(model);
-    Matrix9 P = J * f.P * J.transpose() + by_unit * besides * by_unit.transpose();
-    P.block<3, 3>(Layout::velocity, Layout::velocity) += e.rate_variance * by_rate * by_rate.transpose();
-    return {there, P};
+    Matrix9 P = J * f.P * J.transpose() + m.by_unit * besides * m.by_unit.transpose();
+    P.block<3, 3>(Layout::velocity, Layout::velocity) += e.rate_variance * m.by_rate * m.by_rate.transpose();
+    return {m.nav, P};
 }
 
 }  // namespace
@@ -71,19 +81,10 @@ template Reported reported(const InertialModel&, const InertialFilter<Geographic
 template Reported reported(const InertialModel&, const InertialFilter<EarthFixedFrame>&, const Matrix9&);
 
 SolutionRow solution_row_at(const Estimate& e, const Matrix9& P_n, const Vector3d& lever_arm_b, const Vector3d& rate_variance) {
-    const Vector3d l_n = e.C_nb * lever_arm_b;
-    const Vector3d w_eb_b = e.w_ib_b - e.C_nb.transpose() * earth::terms_at(e.earth, e.nav.position, e.nav.v_eb_n).w_ie_n;
-    const Vector3d s_n = e.C_nb * w_eb_b.cross(lever_arm_b);
-    NavState there = e.nav;
-    there.position = earth::moved_by_ned(e.earth, e.nav.position, l_n);
-    there.v_eb_n += s_n;
-    Matrix9 T = Matrix9::Identity();
-    T.block<3, 3>(Layout::position, Layout::attitude) = math::skew(l_n);
-    T.block<3, 3>(Layout::velocity, Layout::attitude) = math::skew(s_n);
-    Matrix9 P = T * P_n * T.transpose();
-    const Matrix3d by_rate = e.C_nb * math::skew(lever_arm_b);
-    P.block<3, 3>(Layout::velocity, Layout::velocity) += by_rate * rate_variance.asDiagonal() * by_rate.transpose();
-    return solution_row(there, P);
+    const PointMotion m = motion_of(e, lever_arm_b);
+    Matrix9 P = m.by_unit * P_n * m.by_unit.transpose();
+    P.block<3, 3>(Layout::velocity, Layout::velocity) += m.by_rate * rate_variance.asDiagonal() * m.by_rate.transpose();
+    return solution_row(m.nav, P);
 }
 
 SensorErrorRow sensor_error_row(Time time, const Layout& layout, const StateVector& parameters, const StateVector& variances) {

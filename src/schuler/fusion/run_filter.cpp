@@ -46,15 +46,7 @@ const char* irreversible(const Settings& s) {
     return nullptr;
 }
 
-/// Settings whose results are those of the unit.
-const char* at_unit_only(const Settings& s) {
-    if (s.coupling != Coupling::Loose && s.coupling != Coupling::Tight) return "with couplings other than loose and tight";
-    if (s.backward) return "with a filter backward in time, which starts from it";
-    if (!s.output_lever_arm_b.isZero(0.0)) return "with a further output point";
-    return nullptr;
-}
-
-void check_settings(const Settings& s) {
+void check_settings(const Recording& recording, const Settings& s) {
     if (!(s.gnss.lever_arm_b.norm() < 1000.0))
         throw input_error(fmt::format("the lever arm is {:.6g} m long", s.gnss.lever_arm_b.norm()),
                           {.file = {}, .key = "gnss.lever_arm_m"}, "give metres from the IMU to the antenna, below 1000");
@@ -67,7 +59,7 @@ void check_settings(const Settings& s) {
     if (const char* why = irreversible(s); s.backward && why != nullptr)
         throw input_error(fmt::format("there is no filter backward in time {}", why), {.file = {}, .key = "filter.backward"},
                           "leave out one of them");
-    if (const char* why = at_unit_only(s); s.output_at_antenna && why != nullptr)
+    if (const char* why = only_of_unit(recording, s); s.output_at_antenna && why != nullptr)
         throw input_error(fmt::format("the solution is that of the unit {}", why), {.file = {}, .key = "output.at_antenna"},
                           "leave out one of them");
     if (s.output_rate < 0.0)
@@ -130,8 +122,16 @@ std::size_t last_increment(const RunData& data, const Settings& settings) {
 
 }  // namespace
 
+const char* only_of_unit(const Recording& recording, const Settings& s) {
+    if (s.coupling != Coupling::Loose && s.coupling != Coupling::Tight) return "with couplings other than loose and tight";
+    if (s.backward) return "with a filter backward in time, which starts from it";
+    if (!s.output_lever_arm_b.isZero(0.0)) return "with a further output point";
+    if (!recording.reference.empty()) return "where it is compared with a reference";
+    return nullptr;
+}
+
 void check_input(const Recording& recording, const Settings& settings, WarningLog& warnings) {
-    check_settings(settings);
+    check_settings(recording, settings);
     check_overlap(recording, settings.initial, warnings);
     const Geodetic& p = settings.initial.position;
     if (std::isfinite(p.lat) && std::isfinite(p.lon) && std::isfinite(p.h)) return;
@@ -171,7 +171,7 @@ void tell_faults(const Result& result, const Recording& recording, WarningLog& w
 /// One leg, or a log without pauses.
 Result run_leg(const Recording& recording, const Settings& given, WarningLog& warnings, const Progress& progress,
                const RowSink& rows, const ReceiverInLoop& receiver) {
-    check_settings(given);
+    check_settings(recording, given);
     if (given.coupling == Coupling::Deep && !receiver)
         throw input_error("deep coupling commands the correlators of a receiver, and a log has none",
                           {.file = {}, .key = "filter.scheme"}, "give a scenario with [receiver], or choose tight");
@@ -354,7 +354,7 @@ Result run_filter(const Recording& recording, const Settings& given, WarningLog&
                   const RowSink& rows, const ReceiverInLoop& receiver) {
     const std::vector<Time> starts = leg_starts(recording);
     if (starts.size() < 2 || receiver) return run_realigned(recording, given, warnings, progress, rows, receiver);
-    check_settings(given);
+    check_settings(recording, given);
     check_overlap(recording, given.initial, warnings);
     std::optional<Result> all;
     std::optional<Error> failure;

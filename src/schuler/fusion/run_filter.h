@@ -16,6 +16,9 @@ namespace schuler::fusion {
 /// start from.
 void check_input(const Recording& recording, const Settings& settings, WarningLog& warnings);
 
+/// Reason why these give the motion of the unit only, and not that of the antenna (Settings::output_at_antenna); otherwise null.
+[[nodiscard]] const char* only_of_unit(const Recording& recording, const Settings& settings);
+
 /// Reports progress in [0, 1]; called at most about a hundred times per run.
 using Progress = std::function<void(double)>;
 

@@ -76,9 +76,6 @@ void fuse_and_evaluate(ResultBundle& bundle, WarningLog& warnings, double output
         settings.covariance_rate = settings.output_rate;
         settings.output_rate = output_rate;
         settings.state_rows = !bundle.truth.sensors.empty();
-        if (settings.output_at_antenna && !bundle.data.recording.reference.empty())
-            throw input_error("errors against a reference are those of the unit", {.file = {}, .key = "output.at_antenna"},
-                              "leave out one of them");
         std::optional<scenario::SimulatedReceiver> receiver;
         using fusion::Coupling;
         if (bundle.sky && settings.coupling == Coupling::Deep) receiver.emplace(*bundle.sky, receiver::Guidance::Generators);

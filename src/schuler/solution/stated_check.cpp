@@ -136,8 +136,7 @@ std::optional<LeverArmDoubt> doubt_of_lever_arm(const LoadedDataset& data, const
     // is as much as the lever arm itself.
     constexpr double averaging = 0.01, short_arm = 0.3;  // m
     const fusion::Settings& in_force = doubt.settings;
-    const bool movable =
-        !doubt.given && !in_force.backward && in_force.output_lever_arm_b.isZero(0.0) && data.recording.reference.empty();
+    const bool movable = !doubt.given && fusion::only_of_unit(data.recording, in_force) == nullptr;
     const auto at_antenna = [&](const Estimate& e, const Vector3d& from) -> std::optional<LeverArmDoubt> {
         if (!movable || !matters(e, turning_of(data.recording, in_force.imu))) return std::nullopt;
         doubt.unknown = doubt.settings.output_at_antenna = true;

@@ -36,8 +36,7 @@ Matrix3d body_from_vehicle(double pitch, double yaw) { return math::dcm_from_rpy
 Measurement nonholonomic(const Estimate& e, double std_lateral, double std_vertical) {
     const double pitch = e.parameters(e.layout.mounting), yaw = e.parameters(e.layout.mounting + 1);
     const Matrix3d C_vb = body_from_vehicle(pitch, yaw).transpose();
-    const Vector3d w_ie_n = earth::terms_at(e.earth, e.nav.position, e.nav.v_eb_n).w_ie_n;
-    const Vector3d w_eb_b = e.w_ib_b - e.C_nb.transpose() * w_ie_n;
+    const Vector3d w_eb_b = rate_to_earth(e);
     const Vector3d arm(e.parameters(e.layout.axle), 0.0, 0.0);
     const Vector3d v_b = e.C_nb.transpose() * e.nav.v_eb_n - w_eb_b.cross(arm);
     const Vector3d v_v = C_vb * v_b;

@@ -15,11 +15,6 @@ Vector3d lever_arm(const Estimate& e, const Vector3d& given) {
     return e.layout.lever_arm < 0 ? given : Vector3d(e.parameters.segment<3>(e.layout.lever_arm));
 }
 
-/// w_eb_b, rad/s
-Vector3d rate_to_earth(const Estimate& e) {
-    return e.w_ib_b - e.C_nb.transpose() * earth::terms_at(e.earth, e.nav.position, e.nav.v_eb_n).w_ie_n;
-}
-
 }  // namespace
 
 Measurement gnss_position(const Estimate& e, const Geodetic& measured, const Vector3d& variance, const Vector3d& lever_arm_b,

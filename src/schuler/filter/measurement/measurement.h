@@ -31,6 +31,11 @@ struct Estimate {
     estim::StateVector parameters;  ///< nominal values of the states from 9 on
 };
 
+/// Angular rate of the body relative to the Earth, body axes, rad/s.
+[[nodiscard]] inline Eigen::Vector3d rate_to_earth(const Estimate& e) {
+    return e.w_ib_b - e.C_nb.transpose() * earth::terms_at(e.earth, e.nav.position, e.nav.v_eb_n).w_ie_n;
+}
+
 /// A measurement of up to three components with independent noise.
 /// innovation = computed minus measured = row . error + noise (error = estimate minus truth).
 struct Measurement {

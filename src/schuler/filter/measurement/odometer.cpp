@@ -21,8 +21,7 @@ Measurement odometer_speed(const Estimate& e, double measured, double variance) 
                               : Matrix3d(Matrix3d::Identity());
     const Vector3d arm(L.axle >= 0 ? e.parameters(L.axle) : 0.0, 0.0, 0.0);
     const double gain = 1.0 + (L.odometer_scale >= 0 ? e.parameters(L.odometer_scale) : 0.0);
-    const Vector3d w_ie_n = earth::terms_at(e.earth, e.nav.position, e.nav.v_eb_n).w_ie_n;
-    const Vector3d w_eb_b = e.w_ib_b - e.C_nb.transpose() * w_ie_n;
+    const Vector3d w_eb_b = rate_to_earth(e);
     const Vector3d v_b = e.C_nb.transpose() * e.nav.v_eb_n - w_eb_b.cross(arm);
     const double speed = C_vb.row(0).dot(v_b);
     Measurement m;

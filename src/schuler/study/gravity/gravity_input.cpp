@@ -25,6 +25,7 @@ fusion::Result coarse(const solution::LoadedDataset& data, WarningLog& warnings)
     s.smooth = true;
     s.loop = fusion::Loop::Closed;  // filter.loop is that of the survey
     s.output_rate = 1.0;
+    s.output_at_antenna = false;  // the survey is that of the unit
     fusion::Result result = fusion::run_filter(data.recording, s, warnings);
     if (result.smoothed.rows.empty())
         throw computation_error("no start was found for gravimetry", "give [initial] position, velocity and attitude");
