@@ -138,6 +138,17 @@ TEST(Hypotheses, AnInertialUnitThatFailedIsOpenedAndTheFixesAreTaken) {
     }
 }
 
+/// The vertical velocity has a channel of its own, so horizontal velocities that agree say nothing about the height.
+TEST(Hypotheses, AVerticalFaultIsFoundWhereTheVerticalVelocityHasItsOwnLatency) {
+    Drive d = drive(47);
+    d.settings.gnss.velocity_down_latency = 0.001;
+    disturb(d, 0.0, 1e9, [](ImuSample& s) { s.accel.z() += 0.5; });
+    const Outcome o = outcome(d);
+    EXPECT_TRUE(alerted(o, IntegrityTest::Navigation));
+    EXPECT_LT(o.denied, 0.04);
+    EXPECT_LT(o.after, 1.0);
+}
+
 /// The smoother goes back along the hypothesis that was right in the end.
 TEST(Hypotheses, TheSmootherKnowsWhoWasRight) {
     Drive d = drive(45);

@@ -14,17 +14,15 @@ EarthTerms terms_at(const Earth& earth, const Geodetic& position, const Eigen::V
 
 EarthTerms terms_at(const Earth& earth, double s, double c, double h, const Eigen::Vector3d& v_eb_n) {
     const Ellipsoid& ell = earth.ellipsoid;
-    const double e2 = ell.e2();
-    const double inverse_w2 = 1.0 / (1.0 - e2 * s * s);
-    const double n = ell.a * std::sqrt(inverse_w2);
+    const Radii radii = radii_at(ell, s);
     const GravityVector g = gravity_vector(earth.gravity, s, c, h);
 
     EarthTerms t;
     t.sin_lat = s;
     t.cos_lat = c;
     t.tan_lat = s / c;
-    t.rm = n * (1.0 - e2) * inverse_w2 + h;
-    t.rn = n + h;
+    t.rm = radii.meridian + h;
+    t.rn = radii.prime_vertical + h;
     t.w_ie_n = {ell.w_ie * c, 0.0, -ell.w_ie * s};
     const double east_rate = v_eb_n.y() / t.rn;
     t.w_en_n = {east_rate, -v_eb_n.x() / t.rm, -east_rate * t.tan_lat};

@@ -6,12 +6,7 @@
 
 namespace schuler::earth {
 
-Radii radii(const Ellipsoid& ellipsoid, double lat) {
-    const double s = std::sin(lat);
-    const double w2 = 1.0 - ellipsoid.e2() * s * s;
-    const double n = ellipsoid.a / std::sqrt(w2);
-    return {n * (1.0 - ellipsoid.e2()) / w2, n};
-}
+Radii radii(const Ellipsoid& ellipsoid, double lat) { return radii_at(ellipsoid, std::sin(lat)); }
 
 Ecef ecef_from_geodetic(const Ellipsoid& ellipsoid, const Geodetic& position) {
     const double s = std::sin(position.lat), c = std::cos(position.lat);

@@ -5,6 +5,8 @@
 
 #include <Eigen/Core>
 
+#include <cmath>
+
 namespace schuler::earth {
 
 /// Reference ellipsoid with its rotation rate and geocentric gravitational constant. Passed by value, never a global.
@@ -32,6 +34,12 @@ struct Radii {
     double prime_vertical;
 };
 [[nodiscard]] Radii radii(const Ellipsoid& ellipsoid, double lat);
+/// The same if the sine of the latitude is already known.
+[[nodiscard]] inline Radii radii_at(const Ellipsoid& ellipsoid, double sin_lat) {
+    const double e2 = ellipsoid.e2(), inverse_w2 = 1.0 / (1.0 - e2 * sin_lat * sin_lat);
+    const double n = ellipsoid.a * std::sqrt(inverse_w2);
+    return {n * (1.0 - e2) * inverse_w2, n};
+}
 
 /// Earth-fixed from geodetic, heights -12 km to 50 000 km: each component within 2 nm of the exact value below 100 km,
 /// within 3e-16 of the geocentric distance above.

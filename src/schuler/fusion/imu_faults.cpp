@@ -69,38 +69,35 @@ struct Block {
     std::size_t first, end;
 };
 
-/// Mean square of second differences, over six: the variance of the non-smooth part, however steep the motion.
-double roughness(const std::vector<ImuIncrement>& increments, const Block& b, const Quantity& q) {
-    double sum = 0.0;
+/// Magnitude of the second differences of a block's values.
+struct Roughness {
+    double variance = 0.0;  ///< their mean square over six: the variance of the non-smooth part, however steep the motion
+    double robust = 0.0;    ///< the same from the smaller third of each axis, unaffected by outliers up to one sample in five
+};
+
+Roughness roughness(const std::vector<ImuIncrement>& increments, const Block& b, const Quantity& q,
+                    std::array<std::vector<double>, 3>& differences) {
+    constexpr double share = 0.3, of_normal = 0.385;  // of a normal distribution's sigmas, two-sided
     const std::size_t first = std::max<std::size_t>(b.first, 2);
-    if (b.end <= first) return 0.0;
+    if (b.end <= first) return {};
+    const std::size_t n = b.end - first;
+    for (auto& axis : differences) axis.resize(n);
+    double sum = 0.0;
     Vector3d before = q.of(increments[first - 2]), last = q.of(increments[first - 1]);
-    for (std::size_t i = first; i < b.end; ++i) {
-        const Vector3d now = q.of(increments[i]);
-        sum += (now - 2.0 * last + before).squaredNorm();
+    for (std::size_t i = 0; i < n; ++i) {
+        const Vector3d now = q.of(increments[first + i]), difference = now - 2.0 * last + before;
+        sum += difference.squaredNorm();
+        for (int axis = 0; axis < 3; ++axis) differences[static_cast<std::size_t>(axis)][i] = std::abs(difference(axis));
         before = last;
         last = now;
     }
-    return sum / (6.0 * static_cast<double>(b.end - first));
-}
-
-/// The same from the smaller third of the second differences of its worst axis, unaffected by outliers up to one sample in five.
-double robust_roughness(const std::vector<ImuIncrement>& increments, const Block& b, const Quantity& q,
-                        std::vector<double>& differences) {
-    constexpr double share = 0.3, of_normal = 0.385;  // of a normal distribution's sigmas, two-sided
-    const std::size_t first = std::max<std::size_t>(b.first, 2);
-    if (b.end <= first) return 0.0;
-    double sum = 0.0;
-    for (int axis = 0; axis < 3; ++axis) {
-        differences.clear();
-        for (std::size_t i = first; i < b.end; ++i)
-            differences.push_back(
-                std::abs(q.of(increments[i])(axis) - 2.0 * q.of(increments[i - 1])(axis) + q.of(increments[i - 2])(axis)));
-        const auto at = differences.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(differences.size()));
-        std::nth_element(differences.begin(), at, differences.end());
-        sum += *at * *at / (of_normal * of_normal);
+    double robust = 0.0;
+    for (auto& axis : differences) {
+        const auto at = axis.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(n));
+        std::nth_element(axis.begin(), at, axis.end());
+        robust += *at * *at / (of_normal * of_normal);
     }
-    return sum / 6.0;
+    return {sum / (6.0 * static_cast<double>(n)), robust / 6.0};
 }
 
 double duration(const std::vector<ImuIncrement>& increments, const Block& b) {
@@ -144,27 +141,44 @@ double departure(const std::vector<ImuIncrement>& increments, const std::vector<
     return rough > 0.05 * square ? worst : 0.0;
 }
 
+/// Mean and extremes of the values of each axis over the log.
+struct Range {
+    Vector3d mean = Vector3d::Zero(), usual = Vector3d::Zero();  ///< usual: mean magnitude of the departure from the mean
+    Vector3d most = Vector3d::Zero(), least = Vector3d::Zero();  ///< of the departure from the mean
+};
+
+Range range_of(const std::vector<ImuIncrement>& increments, const Quantity& q) {
+    Range r;
+    const double size = static_cast<double>(increments.size());
+    for (const auto& i : increments) r.mean += q.of(i);
+    r.mean /= size;
+    for (const auto& i : increments) {
+        const Vector3d departure = q.of(i) - r.mean;
+        r.usual += departure.cwiseAbs();
+        r.most = r.most.cwiseMax(departure);
+        r.least = r.least.cwiseMin(departure);
+    }
+    r.usual /= size;
+    return r;
+}
+
 /// The range limit of an axis in one direction, if visible in the log.
 struct End {
+    int axis = 0;
     double sign = 1.0, mean = 0.0;
     double limit = 0.0;  ///< of the departure from the mean
     double size = 0.0;   ///< possible error of a saturated value
     bool reached = false;
+
+    /// Smallest departure that equals `value`: a saturated value repeats to the last digit.
+    [[nodiscard]] double close(double value) const { return value - 1e-9 * (limit + std::abs(mean)); }
 };
 
 /// Values that stay at the largest one ever shown by the axis are its limit if that is rare and far from the usual values, or if
 /// they are far more frequent than the next smaller value close below: a range permanently exceeded by the motion. The same
 /// applies to the constant value of an accelerometer axis if the three together do not show gravity.
-End end_of(const std::vector<ImuIncrement>& increments, const Quantity& q, int axis, double sign) {
-    End end;
-    end.sign = sign;
-    double usual = 0.0;
-    for (const auto& i : increments) end.mean += q.of(i)(axis) / static_cast<double>(increments.size());
-    for (const auto& i : increments) usual += std::abs(q.of(i)(axis) - end.mean) / static_cast<double>(increments.size());
-    for (const auto& i : increments) end.limit = std::max(end.limit, sign * (q.of(i)(axis) - end.mean));
-    const auto close = [&](double value) {
-        return value - 1e-9 * (end.limit + std::abs(end.mean));
-    };                                                       // a saturated value repeats to the last digit
+End end_of(const std::vector<ImuIncrement>& increments, const Quantity& q, const Range& range, int axis, double sign) {
+    End end{axis, sign, range.mean(axis), sign > 0.0 ? range.most(axis) : -range.least(axis)};
     constexpr double mostly = 0.1, beyond = 0.3;             // fraction of all samples; of the range
     if (!(end.limit > 1e-6 * (1.0 + std::abs(end.mean)))) {  // an axis without noise
         if (q.integral != &ImuIncrement::dv || sign * end.mean <= 0.0) return end;
@@ -175,17 +189,17 @@ End end_of(const std::vector<ImuIncrement>& increments, const Quantity& q, int a
         end.size = beyond * std::abs(end.mean);
         return end;
     }
-    end.reached = end.limit > 4.0 * usual;
+    end.reached = end.limit > 4.0 * range.usual(axis);
     end.size = end.limit;
     if (end.reached) return end;
     double next = -end.limit;
     std::size_t there = 0, below = 0;
     for (const auto& i : increments)
-        if (const double x = sign * (q.of(i)(axis) - end.mean); x < close(end.limit)) next = std::max(next, x);
+        if (const double x = sign * (q.of(i)(axis) - end.mean); x < end.close(end.limit)) next = std::max(next, x);
     for (const auto& i : increments) {
         const double x = sign * (q.of(i)(axis) - end.mean);
-        if (x >= close(end.limit)) ++there;
-        else if (x >= close(next)) ++below;
+        if (x >= end.close(end.limit)) ++there;
+        else if (x >= end.close(next)) ++below;
     }
     const bool continuous = end.limit - next < 0.1 * end.limit;  // the two levels of a coarse axis do not count
     end.reached = continuous && there >= 30 && there > 10 * below;
@@ -195,31 +209,45 @@ End end_of(const std::vector<ImuIncrement>& increments, const Quantity& q, int a
     return end;
 }
 
+/// Runs of three samples or more at each of the ends.
+std::vector<std::vector<Block>> runs_at(const std::vector<ImuIncrement>& increments, const Quantity& q,
+                                        const std::vector<End>& ends) {
+    std::vector<std::vector<Block>> runs(ends.size());
+    std::vector<std::size_t> first(ends.size(), 0);
+    for (std::size_t k = 0; k <= increments.size(); ++k) {
+        const Vector3d value = k < increments.size() ? q.of(increments[k]) : Vector3d::Zero();
+        for (std::size_t e = 0; e < ends.size(); ++e) {
+            const End& end = ends[e];
+            if (k < increments.size() && end.sign * (value(end.axis) - end.mean) >= end.close(end.limit)) continue;
+            if (k >= first[e] + 3) runs[e].push_back({first[e], k});
+            first[e] = k + 1;
+        }
+    }
+    return runs;
+}
+
 /// Adds the noise of samples that stay at the limit of their axis, three in a row or more: error as large again over all of that
 /// time. `saturated`: those samples.
 void add_saturation(const std::vector<ImuIncrement>& increments, const Quantity& q, const std::vector<Block>& blocks,
                     std::vector<filter::BridgeNoise>& noise, std::vector<bool>& saturated) {
-    for (int axis = 0; axis < 3; ++axis) {
-        for (const double sign : {1.0, -1.0}) {
-            const End end = end_of(increments, q, axis, sign);
-            if (!end.reached) continue;
-            const double edge = end.limit - 1e-9 * (end.limit + std::abs(end.mean));
-            std::size_t block = 0, first = 0;
-            for (std::size_t k = 0; k <= increments.size(); ++k) {
-                if (k < increments.size() && sign * (q.of(increments[k])(axis) - end.mean) >= edge) continue;
-                if (k >= first + 3) {
-                    const double run = duration(increments, {first, k});
-                    while (block + 1 < blocks.size() && blocks[block].end <= first) ++block;
-                    for (std::size_t b = block; b < blocks.size() && blocks[b].first < k; ++b) {
-                        const Block both{std::max(first, blocks[b].first), std::min(k, blocks[b].end)};
-                        if (both.end <= both.first) continue;
-                        noise[b].*q.psd +=
-                            end.size * end.size * run * duration(increments, both) / duration(increments, blocks[b]);
-                    }
-                    for (std::size_t i = first; i < k; ++i) saturated[i] = true;
-                }
-                first = k + 1;
+    const Range range = range_of(increments, q);
+    std::vector<End> ends;
+    for (int axis = 0; axis < 3; ++axis)
+        for (const double sign : {1.0, -1.0})
+            if (const End end = end_of(increments, q, range, axis, sign); end.reached) ends.push_back(end);
+    const std::vector<std::vector<Block>> runs = runs_at(increments, q, ends);
+    for (std::size_t e = 0; e < ends.size(); ++e) {
+        std::size_t block = 0;
+        for (const Block& run : runs[e]) {
+            const double time = duration(increments, run);
+            while (block + 1 < blocks.size() && blocks[block].end <= run.first) ++block;
+            for (std::size_t b = block; b < blocks.size() && blocks[b].first < run.end; ++b) {
+                const Block both{std::max(run.first, blocks[b].first), std::min(run.end, blocks[b].end)};
+                if (both.end <= both.first) continue;
+                noise[b].*q.psd +=
+                    ends[e].size * ends[e].size * time * duration(increments, both) / duration(increments, blocks[b]);
             }
+            for (std::size_t i = run.first; i < run.end; ++i) saturated[i] = true;
         }
     }
 }
@@ -247,12 +275,15 @@ Doubts doubtful_stretches(const ImuTimeline& timeline) {
     if (blocks.size() < 40) return {};  // nothing to compare with
     std::vector<filter::BridgeNoise> noise(blocks.size());
     std::vector<bool> saturated(increments.size(), false);
+    std::array<std::vector<double>, 3> differences;  // of one block, kept for its memory
     for (const Quantity& q : {Quantity{&ImuIncrement::dtheta, &filter::BridgeNoise::gyro_psd, 1e-3},
                               Quantity{&ImuIncrement::dv, &filter::BridgeNoise::accel_psd, 0.05}}) {
-        std::vector<double> rough(blocks.size());
-        for (std::size_t k = 0; k < blocks.size(); ++k) rough[k] = roughness(increments, blocks[k], q);
-        std::vector<double> robust(blocks.size()), room;
-        for (std::size_t k = 0; k < blocks.size(); ++k) robust[k] = robust_roughness(increments, blocks[k], q, room);
+        std::vector<double> rough(blocks.size()), robust(blocks.size());
+        for (std::size_t k = 0; k < blocks.size(); ++k) {
+            const Roughness r = roughness(increments, blocks[k], q, differences);
+            rough[k] = r.variance;
+            robust[k] = r.robust;
+        }
         // More than a twentieth of the log may contain outliers; the bulk of its values must not.
         constexpr double heavy_tails = 10.0;
         const double by_values = math::quantile(std::move(robust), 0.95), by_blocks = math::quantile(rough, 0.95);

@@ -13,26 +13,27 @@ namespace schuler::ins {
 namespace {
 
 using Eigen::Vector3d;
+using math::Triple;
 
 /// Sums of raw increments and the second-order corrections 1/2 int(alpha x w) and 1/2 int(alpha x f + nu x w), alpha and nu
 /// being the running integrals of rate w and specific force f.
 struct Sums {
-    Vector3d alpha, nu, coning, sculling;
+    Triple alpha, nu, coning, sculling;
 };
 
 /// Sums to a step. With phi = alpha + coning the velocity increment in the axes halfway through the rotation is u = nu + sculling
 /// + k phi x (phi x nu): k = (1 - sin(|phi|/2)/(|phi|/2))/|phi|^2 makes it exact for constant w and f, and with the halfway axes
 /// the formula is even in time, so that no fourth-order term is missing. Then u is rotated by phi/2.
 CompensatedIncrement step_from(Time time, double dt, const Sums& s) {
-    const Vector3d phi = s.alpha + s.coning;
-    const double p2 = phi.squaredNorm();
-    const double k = (1.0 - p2 * (1.0 / 80 - p2 / 13440)) / 24;
+    const Triple phi = s.alpha + s.coning;
+    const double p2 = phi.squared_norm();
+    const double k = (1.0 - p2 * (1.0 / 80 - p2 * (1.0 / 13440))) * (1.0 / 24);
     // sin(|phi|/2)/|phi| and (1 - cos(|phi|/2))/|phi|^2
-    const double half_sine = 0.5 * (1.0 - p2 * (1.0 / 24 - p2 * (1.0 / 1920 - p2 / 322560)));
-    const double versine = 0.125 * (1.0 - p2 * (1.0 / 48 - p2 * (1.0 / 5760 - p2 / 1290240)));
-    const Vector3d u = s.nu + s.sculling + k * phi.cross(phi.cross(s.nu));
-    const Vector3d turned = phi.cross(u);
-    return {time, dt, phi, u + half_sine * turned + versine * phi.cross(turned)};
+    const double half_sine = 0.5 * (1.0 - p2 * (1.0 / 24 - p2 * (1.0 / 1920 - p2 * (1.0 / 322560))));
+    const double versine = 0.125 * (1.0 - p2 * (1.0 / 48 - p2 * (1.0 / 5760 - p2 * (1.0 / 1290240))));
+    const Triple u = s.nu + s.sculling + k * phi.cross(phi.cross(s.nu));
+    const Triple turned = phi.cross(u);
+    return {time, dt, phi.vector(), (u + half_sine * turned + versine * phi.cross(turned)).vector()};
 }
 
 /// One cross product of samples i and j (0-based, i < j) with its weight.
@@ -52,17 +53,28 @@ constexpr std::array<Pair, 3> three_sample{Pair{0, 1, 27.0 / 40}, Pair{1, 2, 27.
 constexpr std::array<Pair, 6> four_sample{Pair{0, 1, 232.0 / 315}, Pair{2, 3, 232.0 / 315}, Pair{1, 2, 178.0 / 315},
                                           Pair{0, 2, 138.0 / 315}, Pair{1, 3, 138.0 / 315}, Pair{0, 3, 162.0 / 315}};
 
+/// Cross products of two samples in time order.
+struct Products {
+    Triple coning, sculling;
+
+    Products(const ImuIncrement& a, const ImuIncrement& b)
+        : coning(Triple(a.dtheta).cross(Triple(b.dtheta))),
+          sculling(Triple(a.dtheta).cross(Triple(b.dv)) + Triple(a.dv).cross(Triple(b.dtheta))) {}
+};
+
 Sums sums_of(std::span<const ImuIncrement> samples, std::span<const Pair> pairs) {
-    Sums s{Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero()};
+    const Triple zero(0.0, 0.0, 0.0);
+    Sums s{zero, zero, zero, zero};
     for (const ImuIncrement& sample : samples) {
-        s.alpha += sample.dtheta;
-        s.nu += sample.dv;
+        s.alpha = s.alpha + Triple(sample.dtheta);
+        s.nu = s.nu + Triple(sample.dv);
     }
     for (const Pair& p : pairs) {
         const ImuIncrement& a = samples[static_cast<std::size_t>(p.i)];
         const ImuIncrement& b = samples[static_cast<std::size_t>(p.j)];
-        s.coning += p.weight * a.dtheta.cross(b.dtheta);
-        s.sculling += p.weight * (a.dtheta.cross(b.dv) + a.dv.cross(b.dtheta));
+        const Products products(a, b);
+        s.coning = s.coning + p.weight * products.coning;
+        s.sculling = s.sculling + p.weight * products.sculling;
     }
     return s;
 }
@@ -72,9 +84,9 @@ Sums sums_of(std::span<const ImuIncrement> samples, std::span<const Pair> pairs)
 CompensatedIncrement with_neighbour(const ImuIncrement& sample, const ImuIncrement& earlier, const ImuIncrement& later) {
     const double other = &sample == &earlier ? later.dt : earlier.dt;
     const double weight = sample.dt * sample.dt / (6.0 * other * (earlier.dt + later.dt));
+    const Products products(earlier, later);
     return step_from(sample.time, sample.dt,
-                     {sample.dtheta, sample.dv, weight * earlier.dtheta.cross(later.dtheta),
-                      weight * (earlier.dtheta.cross(later.dv) + earlier.dv.cross(later.dtheta))});
+                     {Triple(sample.dtheta), Triple(sample.dv), weight * products.coning, weight * products.sculling});
 }
 
 bool evenly_spaced(std::span<const ImuIncrement> samples) {
@@ -120,7 +132,8 @@ int samples_per_step(IncrementAlgorithm algorithm) {
 
 CompensatedIncrement compensate(const ImuIncrement& previous, const ImuIncrement& current) {
     if (previous.dt > 0.0) return with_neighbour(current, previous, current);
-    return step_from(current.time, current.dt, {current.dtheta, current.dv, Vector3d::Zero(), Vector3d::Zero()});
+    const Triple zero(0.0, 0.0, 0.0);
+    return step_from(current.time, current.dt, {Triple(current.dtheta), Triple(current.dv), zero, zero});
 }
 
 CompensatedIncrement compensate(std::span<const ImuIncrement> samples, IncrementAlgorithm algorithm) {

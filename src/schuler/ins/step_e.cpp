@@ -6,23 +6,24 @@ namespace schuler::ins {
 
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
-using Eigen::Vector3d;
+using math::Quad;
+using math::Triple;
 
 NavStateEcef step_e(const earth::Earth& earth, const NavStateEcef& state, const CompensatedIncrement& increment) {
     const double dt = increment.dt;
-    const Vector3d& v = state.v_eb_e;
-    const Vector3d w_ie_e(0.0, 0.0, earth.ellipsoid.w_ie);
-    const Vector3d zeta = dt * w_ie_e;
+    const Triple v(state.v_eb_e), start(state.position.r), zeta(0.0, 0.0, dt * earth.ellipsoid.w_ie);
+    const Quad q_eb(state.q_eb);
 
-    const Ecef middle{state.position.r + 0.5 * dt * v};
-    const Vector3d dv_g = detail::velocity_increment_in(state.q_eb, increment, zeta) + dt * earth::gravity_ecef(earth, middle);
-    const Vector3d v_middle = v + 0.5 * dv_g - zeta.cross(v);
+    const Triple gravity(earth::gravity_ecef(earth, {(start + 0.5 * dt * v).vector()}));
+    const Triple dv_g = detail::velocity_increment_in(q_eb, increment, zeta) + dt * gravity;
+    const Triple v_middle = v + (0.5 * dv_g - zeta.cross(v));
+    const Triple v_end = v + (dv_g - 2.0 * zeta.cross(v_middle));
 
     NavStateEcef next;
     next.time = increment.time;
-    next.v_eb_e = v + dv_g - 2.0 * zeta.cross(v_middle);
-    next.position.r = state.position.r + 0.5 * dt * (v + next.v_eb_e);
-    next.q_eb = detail::turned(state.q_eb, increment.theta, zeta);
+    next.v_eb_e = v_end.vector();
+    next.position.r = (start + 0.5 * dt * (v + v_end)).vector();
+    next.q_eb = detail::turned(q_eb, Triple(increment.theta), zeta).quaternion();
     return next;
 }
 

@@ -1,6 +1,8 @@
 // Rotations: C_ab takes components in b to components in a; quaternions are Hamilton with the same letters.
 #pragma once
 
+#include "schuler/math/triple.h"
+
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
@@ -20,17 +22,7 @@ namespace schuler::math {
 
 /// Unit quaternion of a rotation vector (rad), w = cos(|r|/2).
 [[nodiscard]] inline Eigen::Quaterniond quaternion_from_rotation_vector(const Eigen::Vector3d& r) {
-    const double n2 = r.squaredNorm();
-    double c, s;      // cos(|r|/2) and sin(|r|/2)/|r|
-    if (n2 < 1e-2) {  // series: the next terms are below 1e-17
-        const double x = 0.25 * n2;
-        c = 1.0 - x * (1.0 / 2 - x * (1.0 / 24 - x * (1.0 / 720 - x * (1.0 / 40320 - x / 3628800))));
-        s = 0.5 * (1.0 - x * (1.0 / 6 - x * (1.0 / 120 - x * (1.0 / 5040 - x / 362880))));
-    } else {
-        const double n = std::sqrt(n2);
-        c = std::cos(0.5 * n);
-        s = std::sin(0.5 * n) / n;
-    }
+    const auto [c, s] = half_angle(r.x() * r.x() + r.y() * r.y() + r.z() * r.z());
     return {c, s * r.x(), s * r.y(), s * r.z()};
 }
 

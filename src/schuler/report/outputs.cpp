@@ -7,6 +7,7 @@
 #include "schuler/io/text/csv/csv_events.h"
 #include "schuler/report/carrier.h"
 #include "schuler/report/run_mat.h"
+#include "schuler/report/states_csv.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/solution/bundle.h"
 #include "schuler/solution/events.h"
@@ -42,8 +43,8 @@ void make_folder(const std::filesystem::path& folder) {
 }
 
 void check_overwrite_of_outputs(const std::filesystem::path& folder) {
-    for (const char* name : {"solution.csv", "point.csv", "events.csv", "protection.csv", "receiver.csv", "run.h5", "run.mat",
-                             "report.html", "track.kml", "config.toml", "summary.json"})
+    for (const char* name : {"solution.csv", "point.csv", "events.csv", "carrier.csv", "protection.csv", "receiver.csv",
+                             "states.csv", "run.h5", "run.mat", "report.html", "track.kml", "config.toml", "summary.json"})
         io::check_overwrite(folder / name);
 }
 
@@ -66,6 +67,8 @@ std::vector<std::filesystem::path> write_outputs(solution::ResultBundle& b, cons
     if (!b.data.carrier.epochs.empty()) write_text(add("carrier.csv"), carrier_csv(b.data.carrier));
     if (!b.result.forward.protection.empty()) write_text(add("protection.csv"), protection_csv(b));
     if (!b.result.cross_checks.empty()) write_text(add("receiver.csv"), receiver_csv(b));
+    if (c.output.wants("states") && !b.solution().parameters.empty())
+        write_text(add("states.csv"), states_csv(b.result.states, b.solution().parameters));
     if (c.output.wants("h5") || c.filter.covariance_rows) write_run_h5(add("run.h5"), b);
     if (c.output.wants("mat")) write_run_mat(add("run.mat"), b);
     if (c.output.wants("report")) io::write_file(add("report.html"), report_html(b));

@@ -181,6 +181,9 @@ std::vector<Ignored> ignored_of(const ResultBundle& b, const std::set<std::strin
     if (b.data.config.scheme == settings::Scheme::Gnss && b.command != "gravity")
         rules.insert(rules.begin(),
                      {{{"output.at_antenna"}, "the solution is that of the receiver"},
+                      {{"output.files"},
+                       unless(!b.data.config.output.wants("states") && !b.data.config.output.wants("covariance"),
+                              "\"states\" and \"covariance\" are those of a filter, and the scheme is \"gnss\"")},
                       {{"filter.", "output.lever_arm_m", "output.events", "vehicle.", "mag.", "baro.", "odometer.", "heading.",
                         "compass.", "gauges.", "log.", "ranges.", "gnss.lever_arm_m", "gnss.use_velocity", "gnss.latency_std_s",
                         "gnss.velocity_latency_std_s", "gnss.correlated_", "gnss.change_", "gnss.consider_errors"},

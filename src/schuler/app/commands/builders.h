@@ -247,7 +247,7 @@ void add_run(OptionTable<R>& table) {
                 of_setting<R>(
                     "outputs", "output.files",
                     "files that are written: solution,summary,h5,report,kml,config; or mat (run.mat: the tables of run.h5 for Octave and "
-                    "MATLAB), covariance (the whole of it, in run.h5)",
+                    "MATLAB), covariance (the whole of it, in run.h5), states (states.csv: every state with its sigma)",
                     common))));
 }
 

@@ -81,6 +81,31 @@ Alert alert_of(const Opening& o, Time time, IntegrityTest test) {
     return {time, AidKind::GnssPosition, test, o.position.norm()};
 }
 
+bool in_use(const FixChannel& c) { return c.fitted || c.run.count() > 0; }
+
+/// Whether the test holds for the channels of the positions (`first` 0) or velocities (1) that measure these axes; the vertical axis has
+/// a channel of its own if its latency differs.
+template <class Frame, class Test>
+bool channels(const FilterRun<Frame>& run, std::size_t first, bool vertical_only, Test&& test) {
+    const FixChannel& vertical = run.fixes[first + 2];
+    const bool split = in_use(vertical);
+    return split && vertical_only ? test(vertical) : test(run.fixes[first]) && (!split || test(vertical));
+}
+
+/// True if refused positions move relative to velocities that agree, in the axes that both measure.
+template <class Frame>
+bool wander(const FilterRun<Frame>& run) {
+    const auto moves = [](const FixChannel& position, const FixChannel& velocity, int axis, int axes) {
+        if (position.run.count() <= 1 || velocity.fits < few_fixes) return false;
+        const Vector3d relative = position.run.rate() - velocity.sum / velocity.fits;
+        return relative.segment(axis, axes).norm() > 4.0 * velocity.fitted_sigma;
+    };
+    const auto vertical = [&](std::size_t first) -> const FixChannel& {
+        return in_use(run.fixes[first + 2]) ? run.fixes[first + 2] : run.fixes[first];
+    };
+    return moves(run.fixes[0], run.fixes[1], 0, 2) || moves(vertical(0), vertical(1), 2, 1);
+}
+
 template <class Frame>
 double speed_sigma(const InertialFilter<Frame>& filter) {
     return std::sqrt(filter.P.diagonal().template segment<3>(Layout::velocity).maxCoeff());
@@ -180,12 +205,12 @@ AidStatus Pass<Frame>::judge(FilterRun<Frame>& run, Channel channel, AidRecord& 
     fixes.run.add(record.time, in_place(record.innovation, channel.components), sigma);
     fixes.fits = 0;
     const bool suspect = run.suspect && (!fixes.fitted || *run.suspect > *fixes.fitted);
-    const FixChannel& speeds = run.fixes[channel.vertical_only ? 3 : 1];
+    const auto velocities = [&](auto&& test) { return channels(run, 1, channel.vertical_only, test); };
     if (position && !suspect && fixes.run.shape(speed_sigma(run.filter)) == RunShape::Constant) {
         const bool at_once = fixes.began_at_once(), jump = fixes.run.mean().norm() > least_jump;
         // After an interruption with refused velocities the navigation itself has drifted.
-        const bool only_here = since_fit > 5.0 && speeds.run.count() == 0;
-        if (jump && (at_once || only_here || speeds.fits >= few_fixes)) {
+        const bool only_here = since_fit > 5.0 && velocities([](const FixChannel& c) { return c.run.count() == 0; });
+        if (jump && (at_once || only_here || velocities([](const FixChannel& c) { return c.fits >= few_fixes; }))) {
             observer.alert({record.stamp, channel.kind, IntegrityTest::Jump, fixes.run.mean().norm()});
             levels.jumped(fixes.run.mean(), fixes.run.span(), at_once);
             fixes.run.clear();
@@ -196,7 +221,8 @@ AidStatus Pass<Frame>::judge(FilterRun<Frame>& run, Channel channel, AidRecord& 
         }
     }
     // A refused velocity while positions agree is a receiver error, unless the IMU log indicates otherwise.
-    const bool positions_fit = !position && run.fixes[channel.vertical_only ? 2 : 0].fits > 0 && !suspect;
+    const bool positions_fit =
+        !position && !suspect && channels(run, 0, channel.vertical_only, [](const FixChannel& c) { return c.fits > 0; });
     const int needed = suspect ? 1 : positions_fit ? settings_.aids.recovery_count : 2;
     const bool long_enough = !positions_fit || fixes.run.span() >= settings_.aids.recovery_time;
     if (rivalry_ == Rivalry::Contest && fixes.run.count() >= needed && long_enough) run.wanted = opening_of(run);
@@ -360,9 +386,7 @@ void Pass<Frame>::contest(FilterRun<Frame>& run, Observer& observer) const {
         }
         if (!main_refuses) return;
         // Continued agreement of the velocities shows that the positions wander by themselves.
-        if (!rival.explained && positions.run.count() > 1 && speeds.fits >= few_fixes &&
-            (positions.run.rate() - speeds.sum / speeds.fits).norm() > 4.0 * speeds.fitted_sigma)
-            return;
+        if (!rival.explained && wander(run)) return;
         int needed = settings_.aids.recovery_count;
         double seconds = settings_.aids.recovery_time;
         if (rival.explained) {

@@ -9,6 +9,7 @@ namespace schuler::filter {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using math::skew;
+using math::Triple;
 
 namespace {
 
@@ -59,16 +60,17 @@ void GatheredMotion::reset() {
 void GatheredMotion::add(const Layout& layout, double dt, const Matrix3d& C, const Vector3d& df, const Vector3d& w_b,
                          const Vector3d& f_b, double gyro_psd, double accel_psd) {
     const double half = 0.5 * dt;
-    const Matrix3d dturn = dt * C;
+    const Triple dforce(df);
     for (int i = 0; i < 3; ++i) {
-        const Vector3d dv = df.cross(turn.col(i) + 0.5 * dturn.col(i));
-        position_by_gyro.col(i) += dt * velocity_by_gyro.col(i) + half * dv;
-        velocity_by_gyro.col(i) += dv;
+        const Triple dturn = dt * math::column(C, i), before = math::column(turn, i);
+        const Triple dv = dforce.cross(before + 0.5 * dturn);
+        math::add_to(position_by_gyro, dt * math::column(velocity_by_gyro, i) + half * dv, i);
+        math::add_to(velocity_by_gyro, dv, i);
+        math::add_to(turn_twice, dt * before + half * dturn, i);
+        math::add_to(turn, dturn, i);
     }
-    turn_twice += dt * turn + half * dturn;
-    turn += dturn;
-    force_twice += dt * force + half * df;
-    force += df;
+    math::add_to(force_twice, dt * Triple(force) + half * dforce);
+    math::add_to(force, dforce);
     time += dt;
     gyro_variance += gyro_psd * dt;
     accel_variance += accel_psd * dt;
@@ -76,13 +78,13 @@ void GatheredMotion::add(const Layout& layout, double dt, const Matrix3d& C, con
     const std::size_t first = first_gain(layout);
     for (Eigen::Index i = 0; i < gain_turn.cols(); ++i) {
         const Gain& g = gains_of_axes[first + static_cast<std::size_t>(i)];
-        const Vector3d gyro = w_b(g.of) * dturn.col(g.axis), accel = -f_b(g.of) * dturn.col(g.axis);
-        const Vector3d dv = df.cross(gain_turn.col(i) + 0.5 * gyro);
-        gain_position_by_gyro.col(i) += dt * gain_velocity_by_gyro.col(i) + half * dv;
-        gain_velocity_by_gyro.col(i) += dv;
-        gain_turn.col(i) += gyro;
-        gain_position_by_accel.col(i) += dt * gain_velocity_by_accel.col(i) + half * accel;
-        gain_velocity_by_accel.col(i) += accel;
+        const Triple axis = dt * math::column(C, g.axis), gyro = w_b(g.of) * axis, accel = -f_b(g.of) * axis;
+        const Triple dv = dforce.cross(math::column(gain_turn, i) + 0.5 * gyro);
+        math::add_to(gain_position_by_gyro, dt * math::column(gain_velocity_by_gyro, i) + half * dv, i);
+        math::add_to(gain_velocity_by_gyro, dv, i);
+        math::add_to(gain_turn, gyro, i);
+        math::add_to(gain_position_by_accel, dt * math::column(gain_velocity_by_accel, i) + half * accel, i);
+        math::add_to(gain_velocity_by_accel, accel, i);
     }
 }
 

@@ -11,6 +11,7 @@ namespace schuler::filter {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
+using math::Triple;
 
 InertialModel::InertialModel(const earth::Earth& earth_, const Layout& layout_, const sensor::ImuErrorModel& imu)
     : earth(earth_),
@@ -77,10 +78,10 @@ BiasNoise bias_noise(const InertialModel& model) {
 
 template <class Frame>
 ImuIncrement InertialFilter<Frame>::corrected(const InertialModel& model, const ImuIncrement& raw) const {
-    ImuIncrement c = raw;
-    c.dtheta -= parameters.segment<3>(Layout::gyro_bias) * raw.dt;
-    c.dv -= parameters.segment<3>(Layout::accel_bias) * raw.dt;
     const Layout& L = model.layout;
+    const auto parameter = [&](int offset) { return Triple(parameters(offset), parameters(offset + 1), parameters(offset + 2)); };
+    ImuIncrement c{raw.time, raw.dt, (Triple(raw.dtheta) - raw.dt * parameter(Layout::gyro_bias)).vector(),
+                   (Triple(raw.dv) - raw.dt * parameter(Layout::accel_bias)).vector()};
     if (L.gyro_misalignment >= 0) {
         const auto scale = [&](int offset) -> Vector3d {
             return offset < 0 ? Vector3d(Vector3d::Zero()) : Vector3d(parameters.segment<3>(offset));
@@ -88,8 +89,10 @@ ImuIncrement InertialFilter<Frame>::corrected(const InertialModel& model, const 
         c.dtheta = gain(scale(L.gyro_scale), parameters.segment<6>(L.gyro_misalignment)).inverse() * c.dtheta;
         c.dv = gain(scale(L.accel_scale), parameters.segment<6>(L.accel_misalignment)).inverse() * c.dv;
     } else if (L.gyro_scale >= 0) {
-        c.dtheta = c.dtheta.cwiseQuotient(Vector3d::Ones() + parameters.segment<3>(L.gyro_scale));
-        c.dv = c.dv.cwiseQuotient(Vector3d::Ones() + parameters.segment<3>(L.accel_scale));
+        for (int i = 0; i < 3; ++i) {
+            c.dtheta(i) /= 1.0 + parameters(L.gyro_scale + i);
+            c.dv(i) /= 1.0 + parameters(L.accel_scale + i);
+        }
     }
     return c;
 }
@@ -100,8 +103,9 @@ void InertialFilter<Frame>::propagate(const InertialModel& model, const ImuIncre
     const ImuIncrement inc = corrected(model, raw);
     ins::CompensatedIncrement motion = ins::compensate(previous, inc);
     const Matrix3d C0 = C;
-    const Vector3d velocity0 = Frame::velocity(nav),
-                   df = C0 * motion.dv;  // dv is resolved in the body axes at the start of the step
+    const Vector3d velocity0 = Frame::velocity(nav);
+    const Vector3d df =
+        math::product(C0, Triple(motion.dv)).vector();  // dv is resolved in the body axes at the start of the step
     if (model.layout.gravity_constant >= 0) {
         follow_disturbance(model, 0.5 * dt);  // at mid-step
         motion.dv += felt_disturbance(model, dt);
@@ -110,16 +114,18 @@ void InertialFilter<Frame>::propagate(const InertialModel& model, const ImuIncre
     } else {
         set_nav(Frame::step(model.earth, nav, motion));
     }
-    const Vector3d rate = inc.dtheta / dt;
-    w_ib_b = rate;
+    const double by_dt = 1.0 / dt;
+    const Triple rate = by_dt * Triple(inc.dtheta);
+    w_ib_b = rate.vector();
     if (previous.dt > 0.0) {
-        const Vector3d acceleration = (rate - previous.dtheta / previous.dt) * (2.0 / (dt + previous.dt));
-        w_ib_b += 0.5 * dt * acceleration;
-        if (model.eccentric()) recent_rate.add(rate, acceleration, dt);
+        const Triple acceleration = (2.0 / (dt + previous.dt)) * (rate - (1.0 / previous.dt) * Triple(previous.dtheta));
+        w_ib_b = (rate + 0.5 * dt * acceleration).vector();
+        if (model.eccentric()) recent_rate.add(rate.vector(), acceleration.vector(), dt);
     }
     previous = inc;
-    recent_force =
-        recent_force.isZero(0.0) ? Vector3d(df / dt) : Vector3d(recent_force + (df - dt * recent_force) / (force_memory + dt));
+    const Triple force(df), known(recent_force);
+    const bool first = known.squared_norm() == 0.0;
+    recent_force = first ? (by_dt * force).vector() : (known + (1.0 / (force_memory + dt)) * (force - dt * known)).vector();
     double gyro_psd = model.gyro_psd + bridge.gyro_psd, accel_psd = model.accel_psd + bridge.accel_psd;
     if (model.gyro_gain > 0.0 || model.accel_gain > 0.0) {
         const BridgeNoise more = gain_noise(model, raw);
@@ -127,8 +133,9 @@ void InertialFilter<Frame>::propagate(const InertialModel& model, const ImuIncre
         accel_psd += more.accel_psd;
     }
     const Vector3d effective = bridge.standing ? vertical_part(model, df, dt) : df;
-    gathered.add(model.layout, dt, 0.5 * (C0 + C), effective, rate, inc.dv / dt, gyro_psd, accel_psd);
-    gathered.acceleration += Frame::velocity(nav) - velocity0 - (df - effective);
+    gathered.add(model.layout, dt, 0.5 * (C0 + C), effective, rate.vector(), (by_dt * Triple(inc.dv)).vector(), gyro_psd,
+                 accel_psd);
+    math::add_to(gathered.acceleration, Triple(Frame::velocity(nav)) - Triple(velocity0) - (force - Triple(effective)));
     if (model.eccentric()) gathered.rotation += C - C0;
 }
 

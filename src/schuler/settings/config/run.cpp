@@ -67,10 +67,10 @@ Option<Config> outage_option() {
 
 Option<Config> output_files_option() {
     OptionSpec spec = detail::spec("output.files", Shape::Texts, "files that are written");
-    spec.choices = {"solution", "summary", "h5", "report", "kml", "config", "mat", "covariance"};
+    spec.choices = {"solution", "summary", "h5", "report", "kml", "config", "mat", "covariance", "states"};
     spec.form =
         "a list of \"solution\", \"summary\", \"h5\", \"report\", \"kml\", \"config\", \"mat\" (run.mat: the tables of run.h5 for Octave and MATLAB), "
-        "\"covariance\" (the whole of it, in run.h5)";
+        "\"covariance\" (the whole of it, in run.h5), \"states\" (states.csv: every state with its sigma)";
     return {std::move(spec),
             [](Config& c, const Value& v) {
                 c.output.files.clear();
