@@ -79,6 +79,7 @@ Service::Service(ServiceSettings settings)
     add_result_routes();
     add_noise_routes();
     add_kept_routes();
+    add_batch_routes();
     if (!workspace_.alone()) return;  // another server is using this folder: active runs are its own
     for (const Json& run : workspace_.runs()) {
         if (run["state"] != "running" && run["state"] != "waiting") continue;

@@ -68,9 +68,12 @@ private:
     void add_result_routes();
     void add_noise_routes();
     void add_kept_routes();
+    void add_batch_routes();
     [[nodiscard]] Reply dispatch(Request& request);
     [[nodiscard]] Reply start_run(const Json& order);
     [[nodiscard]] Reply start_study(const Json& order);
+    /// A run of each data set with the same order. One that cannot be started is recorded as a failed run. @throws Refusal
+    [[nodiscard]] Json start_batch(const Json& order);
     [[nodiscard]] Json inspected(const std::string& dataset);
     /// JSON output of the program, executed in a child that may read only `readable`. @throws Refusal 422
     [[nodiscard]] Json asked_of_program(const std::string& what, std::vector<std::string> arguments,

@@ -128,6 +128,30 @@ function sigmaPlots(run: string, groups: Group[], linked: Linked): TimePlot[] {
   });
 }
 
+/** Carrier phase against a base: how sure the ambiguities are, and what they rest on. */
+function carrierPlots(run: string, groups: Group[], linked: Linked): TimePlot[] {
+  if (!groups.some((g) => g.group === "/carrier")) return [];
+  const id = (name: string) => `/carrier/table:${name}`;
+  const plot = (title: string, u: string, names: [string, string][], more: { logY?: boolean; include?: number[] }) =>
+    new TimePlot(
+      {
+        title,
+        unit: u,
+        height: 165,
+        ...more,
+        optional: true,
+        lines: names.map(([, label], ink) => ({ label, ink })),
+        load: loader(run, names.map(([name]) => id(name)), (all) => all.map((v) => v.map((x) => (more.logY && x !== null && x <= 0 ? null : x)))),
+      },
+      linked,
+    );
+  return [
+    plot(t("carrier.ratio"), "1", [["ratio", t("carrier.ratio")]], { logY: true }),
+    plot(t("carrier.counts"), "1", [["satellites", t("carrier.satellites")], ["ambiguities", t("carrier.ambiguities")], ["fixed", t("carrier.fixed_ambiguities")]], { include: [0] }),
+    plot(t("carrier.baseline"), "m", [["north_m", t("north")], ["east_m", t("east")], ["up_m", t("up")]], {}),
+  ];
+}
+
 /** Forward minus backward inside three sigma. */
 export function separationPlots(run: string, groups: Group[], linked: Linked): TimePlot[] {
   const g = groups.find((x) => x.group === "/separation");
@@ -183,6 +207,7 @@ export async function qualityView(run: RunDetails, groups: Group[], linked: Link
     ...outagePlots(run.id, groups, linked),
     ...separationPlots(run.id, groups, linked),
     ...sigmaPlots(run.id, groups, linked),
+    ...carrierPlots(run.id, groups, linked),
     ...attitudePlots(run.id, groups, linked),
   ];
   linkCursors(plots, linked);

@@ -197,7 +197,8 @@ export class PlanView {
     if (!this.fitted) {
       const [a, b, c, d] = this.bounds();
       this.centre = { east: (a + b) / 2, north: (c + d) / 2 };
-      this.scale = 0.88 * Math.min(width / Math.max(b - a, 1), height / Math.max(d - c, 1));
+      // a station at rest: centimetres of carrier phase are to be seen
+      this.scale = 0.88 * Math.min(width / Math.max(b - a, 0.05), height / Math.max(d - c, 0.05));
       this.fitted = true;
     }
     const ratio = devicePixelRatio;

@@ -1,0 +1,213 @@
+// Steps of page_test.mjs that need no run of the others: several data sets together, notes, removal, comparisons of couplings and of
+// attitude, carrier phase, a server that ends and is started anew.
+import { execFileSync } from "node:child_process";
+import { cpSync, existsSync, mkdirSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { dirname, join } from "node:path";
+import { fileURLToPath } from "node:url";
+import { serve } from "./browse.mjs";
+
+const drive = (seed) => `name = "drive"
+duration_s = 240
+seed = ${seed}
+[trajectory]
+type = "car"
+start = { lat_deg = 50.0, lon_deg = 8.0, height_m = 100.0 }
+speed_m_s = 12
+[imu]
+rate_hz = 100
+grade = "tactical"
+[gnss]
+rate_hz = 2
+receiver = "rtk"
+`;
+
+const ended = async ({ ask, page }, ids) => {
+  const runs = [];
+  for (const id of ids)
+    for (;;) {
+      const run = await ask(`api/runs/${id}`);
+      if (run.state !== "waiting" && run.state !== "running") {
+        runs.push(run);
+        break;
+      }
+      await page.waitForTimeout(200);
+    }
+  return runs;
+};
+
+/** Two drives and a folder that is none: one profile, one table with the failed one first, all of it removed together. */
+async function batch(t) {
+  const { page, address, ask, check, soon, accessible, shot, folder, options } = t;
+  const data = join(folder, "work", "data");
+  for (const [name, seed] of [["drive-a", 1], ["drive-b", 2]]) {
+    writeFileSync(join(folder, `${name}.toml`), drive(seed));
+    execFileSync(options.program, ["simulate", join(folder, `${name}.toml`), "-o", join(data, name)], { stdio: "ignore" });
+  }
+  mkdirSync(join(data, "empty"), { recursive: true });
+  writeFileSync(join(data, "empty", "notes.txt"), "nothing\n");
+  await page.goto(address);
+  await page.getByRole("link", { name: "Process several together" }).click();
+  const start = page.locator("button.primary.run");
+  await start.waitFor();
+  check((await page.locator(".batch-sets input:checked").count()) === 3, "all data sets are chosen");
+  await page.getByRole("button", { name: "None", exact: true }).click();
+  check(await start.isDisabled(), "nothing is started of no data set");
+  await page.getByRole("button", { name: "All", exact: true }).click();
+  check((await page.locator('.form [data-key="imu.file"]').count()) === 0, "a profile names no files");
+  await page.getByPlaceholder("Find an option").last().fill("filter.scheme");
+  await page.locator("#option-filter-scheme").selectOption("separate");
+  await page.getByLabel("Name of the batch").fill("Two drives");
+  await accessible("batch");
+  await page.reload();
+  await start.waitFor();
+  check((await page.locator("#option-filter-scheme").inputValue()) === "separate", "a reload keeps the profile");
+  await start.click();
+  await page.waitForURL(/#\/batch\/Two%20drives$/);
+  const mine = async () => (await ask("api/runs")).filter((r) => r.batch === "Two drives");
+  const runs = await ended(t, (await mine()).map((r) => r.id));
+  check(runs.length === 3, `a run of each: ${runs.map((r) => r.title)}`);
+  const rows = page.locator(".batch-table tbody tr");
+  check(await soon(async () => (await page.locator(".batch-table .badge.done").count()) === 2), "two are done");
+  check(/^empty/.test(await rows.first().innerText()), `the failed one stands first: ${await rows.allInnerTexts()}`);
+  const failed = runs.find((r) => r.dataset === "empty");
+  check(failed.state === "failed" && (await rows.first().innerText()).includes(failed.message.slice(0, 30)), `with its reason: ${failed.message}`);
+  for (const run of runs.filter((r) => r.state === "done")) {
+    check(run.summary.scheme === "separate", `the profile holds for ${run.title}: ${run.summary.scheme}`);
+    const { rms } = run.summary.errors.position_m.horizontal;
+    const row = await rows.filter({ hasText: run.dataset }).innerText();
+    check(row.includes(String(Number(rms.toPrecision(3)))), `the table has ${rms} of ${run.title}: ${row}`);
+  }
+  await accessible("table of a batch");
+  await shot("ui-batch");
+  // a note is kept with the run
+  await rows.last().getByRole("link").click();
+  await page.locator('[role="tablist"]').waitFor();
+  page.once("dialog", (d) => void d.accept("wet road"));
+  await page.getByRole("button", { name: /^Note/ }).click();
+  check(await soon(async () => (await page.locator("p.run-note").innerText()) === "wet road"), "a note stands with the run");
+  await page.goto(`${address}#/batch/${encodeURIComponent("Two drives")}`);
+  await page.locator(".batch-table", { hasText: "wet road" }).waitFor();
+  await page.goto(address);
+  await page.locator("table.runs .run-note", { hasText: "wet road" }).waitFor();
+  const tools = await page.locator("table.runs tbody tr").first().locator("td.tools").boundingBox();
+  const card = await page.locator(".start .card").nth(1).boundingBox();
+  check(tools.x + tools.width <= card.x + card.width, `the tools of a run are in sight: ${JSON.stringify(tools)}`);
+  // one removed by its mark in the list, the others with the batch
+  await page.locator(`tr[data-run="${failed.id}"] input[type="checkbox"]`).check();
+  check(await page.getByRole("button", { name: "Compare", exact: true }).isDisabled(), "a failed run is not compared");
+  page.once("dialog", (d) => void d.accept());
+  await page.getByRole("button", { name: "Remove", exact: true }).click();
+  check(await soon(async () => (await mine()).length === 2), "a marked run is removed");
+  await page.goto(`${address}#/batch/${encodeURIComponent("Two drives")}`);
+  page.once("dialog", (d) => void d.accept());
+  await page.getByRole("button", { name: "Remove the batch" }).click();
+  check(await soon(async () => (await mine()).length === 0), "the batch is removed");
+}
+
+/** Comparisons of couplings side by side: a table a quantity; of attitude: no empty plot, angles do not cross the plot. */
+async function comparisons(t) {
+  const { page, address, ask, check, soon, tabs } = t;
+  const toml = (await ask("api/examples")).find((e) => e.name === "schemes").toml.replace(/duration_s = .*/, "duration_s = 200").replace(/\[\[outage\]\][^[]*/g, "");
+  const order = (title) => ask("api/runs", "POST", { kind: "scenario", title, toml });
+  const ids = (await Promise.all([order("Couplings A"), order("Couplings B")])).map((r) => r.id);
+  const [run] = await ended(t, ids);
+  check(run.state === "done", `the couplings: ${run.message}`);
+  await tabs("couplings", ids[0]);
+  await page.goto(`${address}#/compare/${ids.join("/")}`);
+  const table = page.locator(".coupling-tables .table-block").first();
+  await table.waitFor();
+  const loose = run.summary.schemes.find((s) => s.scheme === "loose");
+  const row = await table.locator("tbody tr", { has: page.getByRole("rowheader", { name: "loose", exact: true }) }).innerText();
+  check(/^horizontal/.test(await table.innerText()) && row.includes(String(Number(loose.horizontal_m.toPrecision(4)))), `couplings are compared by quantity: ${row}`);
+
+  const data = join(t.folder, "work", "data", "turning");
+  mkdirSync(data, { recursive: true });
+  const rows = ["time_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2"];
+  for (let i = 0; i < 6000; ++i) rows.push([i / 100, 0.001, 0.001, i < 500 ? 0 : 0.5, 0.02, 0.01, -9.81].join(","));
+  writeFileSync(join(data, "imu.csv"), rows.join("\n"));
+  const turn = (title) => ask("api/runs", "POST", { kind: "dataset", dataset: "turning", command: "ahrs", title, settings: {} });
+  const turns = (await Promise.all([turn("Turn A"), turn("Turn B")])).map((r) => r.id);
+  for (const r of await ended(t, turns)) check(r.state === "done", `attitude: ${r.message}`);
+  await page.goto(`${address}#/compare/${turns.join("/")}`);
+  const plots = page.locator("figure.plot");
+  await plots.first().waitFor();
+  const titles = await page.locator(".plot-title").allInnerTexts();
+  check(titles.slice(0, 3).join() === "roll,pitch,heading", `attitudes are overlaid under their names: ${titles}`);
+  for (let i = 0; i < (await plots.count()); ++i) await plots.nth(i).scrollIntoViewIfNeeded(), await page.waitForTimeout(150);
+  const drawn = () =>
+    page.evaluate(() =>
+      [...document.querySelectorAll("figure.plot")].map((f) => {
+        const ys = f.plot.data.y;
+        const jump = Math.max(0, ...ys.flatMap((y) => y.map((v, i) => (i > 0 && v !== null && y[i - 1] !== null ? Math.abs(v - y[i - 1]) : 0))));
+        return { title: f.querySelector(".plot-title").textContent, points: ys.flat().filter((v) => v !== null).length, jump };
+      }),
+    );
+  check(await soon(async () => (await drawn()).every((p) => p.points > 50)), `no plot is empty: ${JSON.stringify(await drawn())}`);
+  const heading = (await drawn()).find((p) => p.title === "heading");
+  check(heading && heading.jump <= 180, `the heading does not jump across its plot: ${JSON.stringify(heading)}`);
+}
+
+/** Positions by carrier phase: how many epochs are fixed, the ratio, and a track of centimetres that fills its plane. */
+async function carrier(t) {
+  const { page, address, ask, check } = t;
+  const root = process.env.SCHULER_DATA ?? join(dirname(fileURLToPath(import.meta.url)), "../../../shared/data");
+  const pair = join(root, "rtklib_geonet_pair");
+  if (!existsSync(pair)) return console.log(`carrier phase not looked at: ${pair} is not there (SCHULER_DATA)`);
+  cpSync(pair, join(t.folder, "work", "data", "pair"), { recursive: true });
+  await page.goto(`${address}#/data/pair`);
+  await page.locator('.task input[value="ppk"]').check();
+  await page.getByLabel("Name", { exact: true }).fill("Pair");
+  await page.getByRole("button", { name: /Process/ }).click();
+  const id = await t.done();
+  await page.locator(".stat").first().waitFor();
+  const { summary } = await ask(`api/runs/${id}`);
+  const stats = await page.locator(".stats").innerText();
+  check(summary.carrier.fixed > 100 && stats.includes(`${summary.carrier.fixed} fixed`), `fixed epochs are told: ${stats}`);
+  check(!/Inertial unit/.test(stats), "there is no inertial unit to speak of");
+  const { time_s } = await ask(`api/runs/${id}/series?columns=/carrier/table:ratio&points=0`);
+  check(time_s.length === summary.carrier.epochs && Math.abs(time_s[0]) < 1 && Math.abs(time_s.at(-1) - summary.duration_s) < 1, `on the axis of the run: ${time_s[0]} to ${time_s.at(-1)}`);
+  await t.tabs("carrier phase", id);
+}
+
+/** The server ends: the page says so. It is started anew, with another token: that too; and all is well with the new address. */
+async function restart(t) {
+  const { page, check, options } = t;
+  const folder = mkdtempSync(join(tmpdir(), "schuler_anew_"));
+  const before = await serve(options.program, folder);
+  const tab = await page.context().newPage();
+  let after = null;
+  try {
+    await tab.goto(before.entrance);
+    await tab.locator("h1").waitFor();
+    const banner = tab.locator(".banner");
+    check(await banner.isHidden(), "no banner while the server answers");
+    await before.stop();
+    await banner.waitFor({ timeout: 20_000 });
+    check(/does not answer/.test(await banner.innerText()), "a server that ended is noticed");
+    after = await serve(options.program, folder, [], new URL(before.address).port);
+    await tab.locator(".banner", { hasText: "started anew" }).waitFor({ timeout: 20_000 });
+    const other = await page.context().newPage();
+    await other.goto(after.entrance);
+    await other.close();
+    await banner.waitFor({ state: "hidden", timeout: 20_000 });
+    await after.ask("api/runs", "POST", { kind: "scenario", title: "Afterwards", toml: drive(3) });
+    await tab.getByRole("link", { name: "Afterwards" }).waitFor({ timeout: 20_000 });
+  } catch (e) {
+    check(false, `a server started anew: ${e.message.split("\n")[0]}; the banner: ${await tab.locator(".banner").innerText().catch(() => "-")}`);
+  } finally {
+    await tab.close();
+    await after?.stop();
+    rmSync(folder, { recursive: true, force: true });
+  }
+}
+
+export async function work(t) {
+  const steps = [batch, comparisons, carrier, restart];
+  for (const step of steps.filter((s) => !t.options.steps || t.options.steps.includes(s.name)))
+    try {
+      await step(t);
+    } catch (e) {
+      t.check(false, `${step.name}: ${e.message.split("\n")[0]}`);   // the other steps do not need it
+    }
+}
