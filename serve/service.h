@@ -3,6 +3,7 @@
 
 #include "serve/forms.h"
 #include "serve/jobs.h"
+#include "serve/live_feed.h"
 #include "serve/message.h"
 #include "serve/results.h"
 #include "serve/workspace.h"
@@ -23,6 +24,7 @@ struct ServiceSettings {
     std::filesystem::path opened;   ///< a user data set; may be empty
     std::filesystem::path program;  ///< executable used for runs
     std::string version;
+    LiveAddress live;                                        ///< of a running `schuler live`; may be empty
     std::uintmax_t max_upload = std::uintmax_t{2048} << 20;  ///< bytes of one file; eight times this in total
     std::size_t runs_at_once = 0;                            ///< 0: the number of cores, at most four
 };
@@ -69,6 +71,7 @@ private:
     void add_noise_routes();
     void add_kept_routes();
     void add_batch_routes();
+    void add_live_routes();
     [[nodiscard]] Reply dispatch(Request& request);
     [[nodiscard]] Reply start_run(const Json& order);
     [[nodiscard]] Reply start_study(const Json& order);

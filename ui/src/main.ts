@@ -8,6 +8,7 @@ import { batchPage, batchTablePage } from "./pages/batch";
 import { comparePage } from "./pages/compare";
 import { dataPage } from "./pages/data";
 import { editorPage } from "./pages/editor";
+import { livePage } from "./pages/live";
 import { runPage } from "./pages/run";
 import { startPage } from "./pages/start";
 import { studiesPage } from "./pages/studies";
@@ -50,6 +51,8 @@ async function open(): Promise<void> {
                 ? rest[0]
                   ? batchTablePage(rest[0])
                   : batchPage(parameters)
+              : kind === "live"
+                ? livePage()
               : kind === "studies"
                 ? studiesPage(parameters, rest[0] ?? "")
                 : startPage();
@@ -124,6 +127,7 @@ function frame(): void {
         h("a", { href: "#/scenario?example=demo" }, t("nav.scenario")),
         h("a", { href: "#/batch" }, t("nav.batch")),
         h("a", { href: "#/studies" }, t("nav.studies")),
+        h("a", { href: "#/live" }, t("nav.live")),
       ),
       h("span", { class: "grow" }),
       h(

@@ -34,10 +34,10 @@ const shot = async (name) => {
   await page.waitForTimeout(700);
   await page.screenshot({ path: join(options.shots, `${name}.png`) });
 };
-const accessible = async (where) => {
-  await page.mouse.move(0, 0);   // a line that the mouse is near fades the others
-  await page.evaluate(axe);
-  const found = await page.evaluate(() =>
+const accessible = async (where, of = page) => {
+  await of.mouse.move(0, 0);   // a line that the mouse is near fades the others
+  await of.evaluate(axe);
+  const found = await of.evaluate(() =>
     globalThis.axe.run(document, { runOnly: ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"] }),
   );
   for (const v of found.violations)

@@ -1,7 +1,8 @@
 // Steps of page_test.mjs that need no run of the others: several data sets together, notes, removal, comparisons of couplings and of
 // attitude, carrier phase, a server that ends and is started anew.
-import { execFileSync } from "node:child_process";
-import { cpSync, existsSync, mkdirSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { execFileSync, spawn } from "node:child_process";
+import { createServer } from "node:net";
+import { cpSync, existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
@@ -202,8 +203,76 @@ async function restart(t) {
   }
 }
 
+const freePort = () =>
+  new Promise((found) => {
+    const s = createServer().listen(0, "127.0.0.1", () => {
+      const { port } = s.address();
+      s.close(() => found(port));
+    });
+  });
+
+/** A drive replayed to `schuler live`, whose messages the page shows: nothing yet, navigation, the end. */
+async function live(t) {
+  const { page, check, options, accessible, shot } = t;
+  const folder = mkdtempSync(join(tmpdir(), "schuler_live_"));
+  const [samples, messages] = [await freePort(), await freePort()];
+  writeFileSync(join(folder, "drive.toml"), drive(4));
+  execFileSync(options.program, ["simulate", join(folder, "drive.toml"), "-o", join(folder, "drive")], { stdio: "ignore" });
+  let text = readFileSync(join(folder, "drive", "dataset.toml"), "utf8").replace("smooth = true", "smooth = false");
+  text = text.split(/^(?=\[)/m).filter((part) => !/^\[(output|reference)\]/.test(part)).join("");
+  for (const section of ["imu", "gnss"])
+    text = text.replace(new RegExp(`(\\[${section}\\]\n)file = .*\n`), `$1source = "tcp-listen://127.0.0.1:${samples}"\nformat = "json"\n`);
+  writeFileSync(join(folder, "live.toml"), `${text}\n[live]\nlag_s = 0.5\nhealth_every_s = 0.2\n[[output]]\nto = "tcp-listen://127.0.0.1:${messages}"\nrate_hz = 10\n`);
+  const begun = [];
+  const begin = (...words) => {
+    const child = spawn(options.program, words, { cwd: folder, stdio: ["ignore", "ignore", "pipe"] });
+    child.told = "";
+    child.stderr.on("data", (d) => (child.told += d));
+    begun.push(child);
+    return child;
+  };
+  const server = await serve(options.program, folder, ["--live", `tcp://127.0.0.1:${messages}`]);
+  const tab = await page.context().newPage();
+  const complaints = [];
+  tab.on("pageerror", (e) => complaints.push(e.message));
+  try {
+    await tab.goto(server.entrance);
+    await tab.getByRole("link", { name: "Live", exact: true }).click();
+    await tab.locator(".live-link", { hasText: "No connection" }).waitFor();
+    const navigator = begin("live", "live.toml");
+    await tab.locator(".live-link", { hasText: "Messages of" }).waitFor();
+    begin("replay", join("drive", "dataset.toml"), "--to", `tcp://127.0.0.1:${samples}`, "--speed", "30");
+    await tab.locator(".stat", { hasText: "navigating" }).waitFor().catch(() => check(false, `it does not navigate: ${navigator.told.slice(-300)}`));
+    const drawn = () =>
+      tab.evaluate(() => [...document.querySelectorAll(".live figure.plot")].filter((f) => f.plot).map((f) => f.plot.data.y.flat().filter((v) => v !== null).length));
+    for (let i = 0; i < 80 && (await drawn())[0] < 300; ++i) await tab.waitForTimeout(100);
+    check((await drawn())[0] >= 300, `the plots grow: ${await drawn()}`);
+    check(/(49\.99|50\.00)\d+°, 8\.0\d+°/.test(await tab.locator(".stats").innerText()), `where it is: ${await tab.locator(".stats").innerText()}`);
+    const taken = async () => Number(await tab.locator("tr", { has: tab.getByRole("rowheader", { name: "gnss", exact: true }) }).locator("td").first().innerText());
+    check((await taken()) > 10, `health of the receiver: ${await taken()}`);
+    check(/phase: navigating/.test(await tab.locator(".live-events").innerText()), "events are listed");
+    const before = (await drawn())[0];
+    await tab.waitForTimeout(1500);
+    check((await drawn())[0] > before, `and go on growing: ${before}, ${await drawn()}`);
+    if (options.shots) await tab.screenshot({ path: join(options.shots, "ui-live.png") });
+    await tab.setViewportSize({ width: 390, height: 844 });
+    await tab.waitForTimeout(500);
+    check((await tab.evaluate(() => document.documentElement.scrollWidth - innerWidth)) <= 1, "live: wider than a phone");
+    if (options.shots) await tab.screenshot({ path: join(options.shots, "ui-live-390.png"), fullPage: true });
+    await accessible("live", tab);
+    navigator.kill("SIGTERM");
+    await tab.locator(".live-link", { hasText: "No connection" }).waitFor();
+    check(complaints.length === 0, `live: ${complaints}`);
+  } finally {
+    await tab.close();
+    for (const child of begun) child.kill("SIGKILL");
+    await server.stop();
+    rmSync(folder, { recursive: true, force: true });
+  }
+}
+
 export async function work(t) {
-  const steps = [batch, comparisons, carrier, restart];
+  const steps = [batch, comparisons, carrier, live, restart];
   for (const step of steps.filter((s) => !t.options.steps || t.options.steps.includes(s.name)))
     try {
       await step(t);
