@@ -138,8 +138,8 @@ function shown(tab: (typeof tabs)[number], run: RunDetails, groups: Group[]): bo
 
 async function finished(run: RunDetails, first: string): Promise<Page> {
   const drawn = ["run.h5", "gravity.csv", "epochs.csv", "solution.csv"].some((f) => run.files.includes(f));
-  const groups = drawn ? await api.channels(run.id) : [];
-  const others = (await api.runs()).filter((r) => r.id !== run.id && r.state === "done");
+  const [groups, all] = await Promise.all([drawn ? api.channels(run.id) : [], api.runs()]);
+  const others = all.filter((r) => r.id !== run.id && r.state === "done");
   const stops = groups.map((g) => g.stop_s).filter((x): x is number => x !== null);
   const linked = new Linked(0, Math.max(1e-3, ...stops));
   linked.spans = (run.summary?.outages ?? []).map((o) => ({

@@ -255,7 +255,7 @@ export class PlanView {
       const [, y] = this.place(0, n);
       if (y < 0) break;
       g.beginPath(), g.moveTo(0, y), g.lineTo(width, y), g.stroke();
-      g.fillText(tidy(n), 4, y - 3);
+      if (y > 30) g.fillText(tidy(n), 4, y - 3);   // the unit stands above
     }
     g.fillText(`${t("plan.axes")}, ${name}`, 4, 14);
     // scale bar and north
@@ -276,6 +276,7 @@ export class PlanView {
   private line(g: CanvasRenderingContext2D, track: Track2d): void {
     g.strokeStyle = g.fillStyle = colour(track.label, track.ink);
     g.lineWidth = 2;
+    g.lineJoin = "round";   // mitred corners of a track that turns back on itself, as at rest, would stand out as spikes
     g.globalAlpha = 1;
     if (track.dots) {
       track.east.forEach((e, i) => {
@@ -349,7 +350,7 @@ export class PlanView {
           .map((e, i) => this.place(e ?? NaN, track.north[i] ?? NaN))
           .filter(([x]) => x === x)
           .map(([x, y]) => `${x.toFixed(1)},${y.toFixed(1)}`);
-        return `<polyline fill="none" stroke="${colour(track.label, track.ink)}" stroke-width="2" points="${points.join(" ")}"/>`;
+        return `<polyline fill="none" stroke="${colour(track.label, track.ink)}" stroke-width="2" stroke-linejoin="round" points="${points.join(" ")}"/>`;
       });
     const metres = this.step(110),
       length = metres * this.scale;
