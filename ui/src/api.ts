@@ -43,6 +43,15 @@ export interface CommandForm {
   input?: string | null;
 }
 
+export interface PaperItem {
+  item: string;
+  what: string;
+  page: string;
+  printed_numbers: number;
+  runs: number;
+  seconds: number;
+}
+
 export interface Track {
   time_s: number[];
   north_m: number[];
@@ -314,6 +323,7 @@ export const api = {
     ),
   commands: () => get<CommandForm[]>("/api/commands"),
   studies: () => get<CommandForm[]>("/api/studies"),
+  papers: () => get<{ paper: string; items: PaperItem[] }[]>("/api/papers"),
   startStudy: (order: Record<string, unknown>) => send<Run>("POST", "/api/studies", order),
   layouts: async () => (await get<Record<string, unknown> | null>("/api/layouts")) ?? {},
   keepLayouts: (all: Record<string, unknown>) => send<object>("PUT", "/api/layouts", all),

@@ -203,6 +203,24 @@ async function restart(t) {
   }
 }
 
+/** An item of a paper is chosen from the list of its items and computed: the printed numbers beside those of the program. */
+async function papers(t) {
+  const { page, address, check, accessible } = t;
+  await page.goto(`${address}#/studies/paper`);
+  await page.locator(".paper-items tbody tr").first().waitFor();
+  await page.getByLabel("Paper", { exact: true }).selectOption("B");
+  await page.locator(".paper-items").waitFor();
+  await page.getByLabel("Paper", { exact: true }).selectOption("A");
+  await page.getByRole("button", { name: "figure-4.1.1", exact: true }).click();
+  check((await page.locator("#option-item").inputValue()) === "figure-4.1.1", "a click puts an item into the form");
+  await accessible("papers");
+  await page.getByRole("button", { name: /Compute/ }).click();
+  const id = await t.done();
+  await t.tabs("paper", id);
+  await page.goto(`${address}#/run/${id}/document`);
+  await page.getByText("Schuler period").first().waitFor();
+}
+
 const freePort = () =>
   new Promise((found) => {
     const s = createServer().listen(0, "127.0.0.1", () => {
@@ -272,7 +290,7 @@ async function live(t) {
 }
 
 export async function work(t) {
-  const steps = [batch, comparisons, carrier, live, restart];
+  const steps = [batch, comparisons, carrier, papers, live, restart];
   for (const step of steps.filter((s) => !t.options.steps || t.options.steps.includes(s.name)))
     try {
       await step(t);
