@@ -43,6 +43,9 @@ void add_ui_command(CLI::App& parser, CommandLine& o) {
     ui->add_option("--open", o.open, "folder of a data set to offer on the page")->type_name("DIR");
     ui->add_option("--live", o.live, "an output of a running `schuler live`, tcp://HOST:PORT, shown as it arrives")
         ->type_name("ADDRESS");
+    ui->add_option("--tiles", o.tiles, "folder of map tiles, ZOOM/X/Y.png, as the background of tracks")
+        ->check(CLI::ExistingDirectory)
+        ->type_name("DIR");
     ui->add_option("--workspace", o.workspace, "folder of runs and uploads, default out")->type_name("DIR");
     ui->add_option("--max-upload", o.max_upload_mb, "largest file that is taken, default 2048")
         ->check(CLI::Range(1, 1 << 20))
@@ -61,6 +64,7 @@ void serve_page(const CommandLine& o) {
     serve::ServerSettings settings;
     settings.service.workspace = o.workspace;
     settings.service.opened = o.open;
+    settings.service.tiles = o.tiles;
     settings.service.live = serve::live_address(o.live);
     settings.service.program = own_path();
     settings.service.version = SCHULER_VERSION;

@@ -81,6 +81,7 @@ Service::Service(ServiceSettings settings)
     add_kept_routes();
     add_batch_routes();
     add_live_routes();
+    add_tile_routes();
     if (!workspace_.alone()) return;  // another server is using this folder: active runs are its own
     for (const Json& run : workspace_.runs()) {
         if (run["state"] != "running" && run["state"] != "waiting") continue;
@@ -188,11 +189,12 @@ void Service::add_settings_routes() {
          "version and limits",
          {},
          "",
-         "{version, max_upload, confined, opened, live}",
+         "{version, max_upload, confined, opened, live, tiles: [zoom]}",
          [=, this](const Request&) {
              return json({{"version", settings_.version},
                           {"max_upload", settings_.max_upload},
                           {"confined", can_confine()},
+                          {"tiles", tile_zooms()},
                           {"live", settings_.live.empty() ? Json(nullptr) : Json(settings_.live.text())},
                           {"opened", settings_.opened.empty() ? Json(nullptr) : Json(settings_.opened.filename().string())}});
          }});

@@ -22,6 +22,7 @@ namespace schuler::serve {
 struct ServiceSettings {
     std::filesystem::path workspace = "out";
     std::filesystem::path opened;   ///< a user data set; may be empty
+    std::filesystem::path tiles;    ///< of a map, ZOOM/X/Y.png; may be empty
     std::filesystem::path program;  ///< executable used for runs
     std::string version;
     LiveAddress live;                                        ///< of a running `schuler live`; may be empty
@@ -72,6 +73,8 @@ private:
     void add_kept_routes();
     void add_batch_routes();
     void add_live_routes();
+    void add_tile_routes();
+    [[nodiscard]] Json tile_zooms() const;
     [[nodiscard]] Reply dispatch(Request& request);
     [[nodiscard]] Reply start_run(const Json& order);
     [[nodiscard]] Reply start_study(const Json& order);

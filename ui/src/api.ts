@@ -290,7 +290,7 @@ function ranged(query: URLSearchParams, range: Range): string {
 }
 
 export const api = {
-  about: () => get<{ version: string; max_upload: number; confined: boolean; opened: string | null; live: string | null }>("/api/about"),
+  about: () => get<{ version: string; max_upload: number; confined: boolean; opened: string | null; live: string | null; tiles: number[] }>("/api/about"),
   options: (of: "scenario" | "dataset") => get<Option[]>(`/api/options?of=${of}`),
   examples: () => get<{ name: string; about: string; toml: string }[]>("/api/examples"),
   settings: (of: "scenario" | "dataset", body: { settings: Settings } | { toml: string }, signal?: AbortSignal) =>

@@ -471,6 +471,7 @@ try {
   await start();
   await work({ page, address, ask, check, soon, accessible, shot, tabs, folder, options, done });
   if (options.only !== "work") {
+    await page.goto(address);
     const first = await flight();
     await views(first);
     await signals(first);

@@ -6,6 +6,7 @@ import { cpSync, existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, write
 import { tmpdir } from "node:os";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
+import { deflateSync } from "node:zlib";
 import { serve } from "./browse.mjs";
 
 const drive = (seed) => `name = "drive"
@@ -171,6 +172,70 @@ async function carrier(t) {
   await t.tabs("carrier phase", id);
 }
 
+/** A PNG of one pixel. */
+function pixel(...rgb) {
+  const crc = (bytes) => {
+    let c = ~0;
+    for (const b of bytes) for (let k = 0, x = (c ^= b); k < 8; ++k) c = x = x & 1 ? (x >>> 1) ^ 0xedb88320 : x >>> 1;
+    return ~c >>> 0;
+  };
+  const chunk = (name, data) => {
+    const body = Buffer.concat([Buffer.from(name), data]),
+      out = Buffer.alloc(body.length + 8);
+    out.writeUInt32BE(data.length, 0), body.copy(out, 4), out.writeUInt32BE(crc(body), body.length + 4);
+    return out;
+  };
+  const head = Buffer.from([0, 0, 0, 1, 0, 0, 0, 1, 8, 2, 0, 0, 0]);
+  return Buffer.concat([Buffer.from("89504e470d0a1a0a", "hex"), chunk("IHDR", head), chunk("IDAT", deflateSync(Buffer.from([0, ...rgb]))), chunk("IEND", Buffer.alloc(0))]);
+}
+
+/** Tiles of a folder lie under the track where they belong: the edge of two of them is 140 m west of the start at 8 degrees east. */
+async function tiles(t) {
+  const { page, check, options } = t;
+  const folder = mkdtempSync(join(tmpdir(), "schuler_tiles_"));
+  for (let x = 8553; x < 8560; ++x)
+    for (let y = 5545; y < 5560; ++y) {
+      mkdirSync(join(folder, "tiles", "14", String(x)), { recursive: true });
+      writeFileSync(join(folder, "tiles", "14", String(x), `${y}.png`), x < 8556 ? pixel(0, 0, 255) : pixel(255, 0, 0));
+    }
+  const server = await serve(options.program, folder, ["--tiles", join(folder, "tiles")]);
+  const tab = await page.context().newPage();
+  const complaints = [];
+  tab.on("console", (m) => m.type() === "error" && complaints.push(m.text()));
+  try {
+    await tab.goto(server.entrance);
+    const { id } = await server.ask("api/runs", "POST", { kind: "scenario", title: "Over a map", toml: drive(5) });
+    await ended({ ask: server.ask, page }, [id]);
+    await tab.goto(`${server.address}#/run/${id}/overview`);
+    await tab.locator(".plan-canvas").waitFor();
+    const seen = () =>
+      tab.evaluate(() => {
+        const { plan } = document.querySelector("figure.plan"),
+          { canvas } = plan;
+        const at = (east, north) => [...canvas.getContext("2d").getImageData(...plan.place(east, north).map((v) => Math.round(v * devicePixelRatio)), 1, 1).data];
+        const edge = -((8 - ((8556 / 16384) * 360 - 180)) * Math.PI / 180) * 6378137 / Math.sqrt(1 - 0.00669437999014 * Math.sin(50 * Math.PI / 180) ** 2) * Math.cos(50 * Math.PI / 180);
+        plan.centre = { east: edge, north: 40 };   // the edge of the tiles in the middle
+        plan.scale = 1;
+        plan.fitted = true;
+        plan.paint();
+        return { drawn: plan.tiles?.drawn ?? 0, edge, west: at(edge - 6, 60), east: at(edge + 6, 60) };
+      });
+    const right = ({ drawn, west, east }) => drawn >= 2 && west[2] > west[0] + 80 && east[0] > east[2] + 80;
+    for (let i = 0; i < 50 && !right(await seen()); ++i) await tab.waitForTimeout(100);
+    const last = await seen(),
+      { drawn, edge, west, east } = last;
+    check(right(last), `the map lies under the track: ${drawn} tiles, the edge ${edge} m, west of it ${west}, east ${east}`);
+    check(complaints.length === 0, `a tile that is not there is no fault: ${complaints}`);
+    const outside = await fetch(`${server.address}api/tiles/14/../x`, { headers: { Authorization: `Bearer ${server.token}` } });
+    check(outside.status >= 400, `names that are no numbers: ${outside.status}`);
+    if (options.shots) await tab.screenshot({ path: join(options.shots, "ui-tiles.png") });
+  } finally {
+    await tab.close();
+    await server.stop();
+    rmSync(folder, { recursive: true, force: true });
+  }
+}
+
 /** The server ends: the page says so. It is started anew, with another token: that too; and all is well with the new address. */
 async function restart(t) {
   const { page, check, options } = t;
@@ -231,7 +296,7 @@ const freePort = () =>
 
 /** A drive replayed to `schuler live`, whose messages the page shows: nothing yet, navigation, the end. */
 async function live(t) {
-  const { page, check, options, accessible, shot } = t;
+  const { page, check, options, accessible } = t;
   const folder = mkdtempSync(join(tmpdir(), "schuler_live_"));
   const [samples, messages] = [await freePort(), await freePort()];
   writeFileSync(join(folder, "drive.toml"), drive(4));
@@ -270,8 +335,7 @@ async function live(t) {
     check((await taken()) > 10, `health of the receiver: ${await taken()}`);
     check(/phase: navigating/.test(await tab.locator(".live-events").innerText()), "events are listed");
     const before = (await drawn())[0];
-    await tab.waitForTimeout(1500);
-    check((await drawn())[0] > before, `and go on growing: ${before}, ${await drawn()}`);
+    check(await t.soon(async () => (await drawn())[0] > before), `and go on growing: ${before}, ${await drawn()}`);
     if (options.shots) await tab.screenshot({ path: join(options.shots, "ui-live.png") });
     await tab.setViewportSize({ width: 390, height: 844 });
     await tab.waitForTimeout(500);
@@ -290,7 +354,7 @@ async function live(t) {
 }
 
 export async function work(t) {
-  const steps = [batch, comparisons, carrier, papers, live, restart];
+  const steps = [batch, comparisons, carrier, papers, tiles, live, restart];
   for (const step of steps.filter((s) => !t.options.steps || t.options.steps.includes(s.name)))
     try {
       await step(t);

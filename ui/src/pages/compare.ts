@@ -10,6 +10,7 @@ import { withoutJumps } from "./attitude";
 import { nameOf as documentName } from "./document";
 import { nameOf as ensembleName } from "./ensemble";
 import { errorRows, table } from "./overview";
+import { planeOf } from "./quality";
 import { isDocument } from "./run";
 import { resampled, unit } from "./views";
 
@@ -215,7 +216,10 @@ export async function comparePage(ids: string[]): Promise<Page> {
       };
     }),
   );
-  if (tracks.length > 0) plan.show(tracks);
+  if (tracks.length > 0) {
+    plan.show(tracks);
+    void planeOf(withTrack[0]!.id).then((plane) => plane && plan.lie(plane));
+  }
   linkCursors(plots, linked);
   differ();
   const element = h(

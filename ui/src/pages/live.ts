@@ -24,6 +24,8 @@ class Kept {
   readonly north: number[] = [];
   readonly of = Object.fromEntries(columns.map((c) => [c, [] as (number | null)[]])) as Record<ColumnName, (number | null)[]>;
   private origin: { lat: number; lon: number } | null = null;
+  /** Told where the plane lies. */
+  placed: ((origin: { lat: number; lon: number }) => void) | null = null;
   /** The time of the first message: times are shown from there. */
   zero: number | null = null;
 
@@ -40,15 +42,16 @@ class Kept {
       this.origin = null;
       time = 0;
     } else if (last !== undefined && time - last < shortest_s * 0.999) return false;
-    this.origin ??= { lat, lon };
+    const origin = this.origin ?? { lat, lon };
+    if (!this.origin) this.placed?.((this.origin = origin));
     const e2 = 0.00669437999014,
       a = 6378137,
-      phi = (this.origin.lat * Math.PI) / 180,
+      phi = (origin.lat * Math.PI) / 180,
       w = Math.sqrt(1 - e2 * Math.sin(phi) ** 2);
-    const turn = ((((lon - this.origin.lon + 540) % 360) + 360) % 360) - 180;
+    const turn = ((((lon - origin.lon + 540) % 360) + 360) % 360) - 180;
     this.time.push(time);
     this.east.push(((turn * Math.PI) / 180) * (a / w) * Math.cos(phi));
-    this.north.push((((lat - this.origin.lat) * Math.PI) / 180) * ((a * (1 - e2)) / w ** 3));
+    this.north.push((((lat - origin.lat) * Math.PI) / 180) * ((a * (1 - e2)) / w ** 3));
     for (const c of columns) this.of[c].push(typeof m[c] === "number" ? (m[c] as number) : null);
     if (this.time.length > most)
       for (const list of [this.time, this.east, this.north, ...Object.values(this.of)]) list.splice(0, most / 10);
@@ -92,6 +95,7 @@ export async function livePage(): Promise<Page> {
   const plan = new PlanView(linked, 430);
   const track = { label: t("track.solution"), ink: 0, time: kept.time, east: kept.east, north: kept.north };
   plan.show([track]);
+  kept.placed = (origin) => void plan.lie(origin);
   const follow = h("input", { type: "checkbox", checked: true });
   const horizon = new HorizonView(
     () => (now ? { roll: Number(now["roll_deg"]), pitch: Number(now["pitch_deg"]), heading: Number(now["heading_deg"]) } : null),

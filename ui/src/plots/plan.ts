@@ -3,6 +3,7 @@ import { copyText, css, h, icon, saveAs } from "../dom";
 import { t } from "../i18n";
 import { colour } from "./colours";
 import { Linked, type Mark } from "./linked";
+import { TileLayer, tileZooms, type Plane } from "./tiles";
 
 export interface Track2d {
   label: string;
@@ -24,6 +25,8 @@ export class PlanView {
   private centre = { east: 0, north: 0 };
   private scale = 1;
   private fitted = false;
+  /** A map under the tracks, where there are tiles of one. */
+  tiles: TileLayer | null = null;
   private readonly paint = Linked.perFrame(() => this.draw());
 
   constructor(
@@ -59,6 +62,7 @@ export class PlanView {
       ),
       this.canvas,
     );
+    (this.element as unknown as { plan: PlanView }).plan = this;
     new ResizeObserver(() => this.paint()).observe(this.canvas);
     this.canvas.addEventListener("pointerdown", (e) => this.drag(e));
     this.canvas.addEventListener("pointermove", (e) => this.hover(e));
@@ -100,6 +104,14 @@ export class PlanView {
       ),
     );
     if (refit || !this.fitted) this.fitted = false;
+    this.paint();
+  }
+
+  /** Where on the Earth the plane lies: from then on a map is drawn, if there is one. */
+  async lie(plane: Plane): Promise<void> {
+    const zooms = await tileZooms();
+    if (zooms.length === 0 || !Number.isFinite(plane.lat) || !Number.isFinite(plane.lon)) return;
+    this.tiles = new TileLayer(zooms, plane, this.paint);
     this.paint();
   }
 
@@ -210,6 +222,8 @@ export class PlanView {
     g.setTransform(ratio, 0, 0, ratio, 0, 0);
     g.fillStyle = css("--surface");
     g.fillRect(0, 0, width, height);
+    const [halfEast, halfNorth] = [width / 2 / this.scale, height / 2 / this.scale];
+    this.tiles?.draw(g, this.scale, (e, n) => this.place(e, n), [this.centre.east - halfEast, this.centre.east + halfEast, this.centre.north - halfNorth, this.centre.north + halfNorth]);
     this.grid(g, width, height);
     // the first one on top
     for (const track of [...this.tracks].reverse()) if (!this.hidden.has(track.label)) this.line(g, track);
