@@ -38,6 +38,23 @@ const ended = async ({ ask, page }, ids) => {
   return runs;
 };
 
+/** The widest words of the frame, on a phone. */
+async function frame(t) {
+  const { page, address, check } = t;
+  await page.setViewportSize({ width: 390, height: 844 });
+  for (const language of ["uk", "ru", "en"]) {
+    for (const path of ["", "#/batch", "#/live"]) {
+      await page.goto(address + path);
+      await page.getByRole("combobox").first().waitFor();
+      await page.locator("header select").selectOption(language);
+      await page.waitForTimeout(400);
+      const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+      check(wide <= 1, `${language} ${path}: ${wide} px wider than a phone`);
+    }
+  }
+  await page.setViewportSize({ width: 1280, height: 900 });
+}
+
 /** Two drives and a folder that is none: one profile, one table with the failed one first, all of it removed together. */
 async function batch(t) {
   const { page, address, ask, check, soon, accessible, shot, folder, options } = t;
@@ -354,7 +371,7 @@ async function live(t) {
 }
 
 export async function work(t) {
-  const steps = [batch, comparisons, carrier, papers, tiles, live, restart];
+  const steps = [frame, batch, comparisons, carrier, papers, tiles, live, restart];
   for (const step of steps.filter((s) => !t.options.steps || t.options.steps.includes(s.name)))
     try {
       await step(t);

@@ -1,7 +1,7 @@
 // Start: logs to drop, examples to pick, runs to open or compare.
 import { api, upload, watchRuns, type DatasetInfo, type Run } from "../api";
 import { h, icon, replace, tell } from "../dom";
-import { maybe, number, t } from "../i18n";
+import { language, maybe, number, t } from "../i18n";
 import type { Page } from "../page";
 
 /** Files of a drop, those of folders too. */
@@ -197,7 +197,7 @@ function runTable(runs: Run[], again: () => void): HTMLElement {
       h("td", null, run.scheme ?? "–"),
       h("td", { class: "figure" }, number(run.duration_s)),
       h("td", { class: "figure" }, number(run.error_m, 3)),
-      h("td", null, new Date(run.created * 1000).toLocaleString()),
+      h("td", null, new Date(run.created * 1000).toLocaleString(language)),
       h(
         "td",
         { class: "tools" },
