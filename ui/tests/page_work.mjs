@@ -353,6 +353,12 @@ async function live(t) {
     check(/phase: navigating/.test(await tab.locator(".live-events").innerText()), "events are listed");
     const before = (await drawn())[0];
     check(await t.soon(async () => (await drawn())[0] > before), `and go on growing: ${before}, ${await drawn()}`);
+    let faded = 0;
+    for (let i = 0; i < 25; ++i) {
+      faded += await tab.evaluate(() => [...document.querySelectorAll(".live .u-series")].filter((e) => !["", "1"].includes(e.style.opacity)).length);
+      await tab.waitForTimeout(60);
+    }
+    check(faded === 0, `no line fades unless the mouse is near it: ${faded}`);
     if (options.shots) await tab.screenshot({ path: join(options.shots, "ui-live.png") });
     await tab.setViewportSize({ width: 390, height: 844 });
     await tab.waitForTimeout(500);
