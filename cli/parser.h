@@ -30,7 +30,7 @@ struct CommandLine {
     // for help, completion and ui
     std::string topic, prefix;
     bool manual = false, reference = false;
-    std::string host = "127.0.0.1", workspace = "out", open;
+    std::string host = "127.0.0.1", workspace = "out", open, live, tiles;
     std::optional<int> port;
     int max_upload_mb = 2048;
 };

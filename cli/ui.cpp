@@ -30,6 +30,7 @@ void add_ui_command(CLI::App& parser, CommandLine& o) {
         add_command(parser, o, "ui", "the program as a page in a browser: logs, scenarios, runs, plots, comparison",
                     "  schuler ui                                  then open the address that it prints\n"
                     "  schuler ui --open drive/                    with the logs of a folder\n"
+                    "  schuler ui --live tcp://vehicle:5010        with the navigation of a running `schuler live`\n"
                     "  schuler ui --workspace /data/work --port 9000\n"
                     "  schuler ui --host 0.0.0.0                   for other machines too: the address then carries a token\n"
                     "Runs are kept as folders of the workspace; nothing outside it is written, and beside it only the folder of "
@@ -40,6 +41,11 @@ void add_ui_command(CLI::App& parser, CommandLine& o) {
         ->type_name("P");
     ui->add_option("--host", o.host, "address to listen at, default 127.0.0.1: this machine only")->type_name("ADDRESS");
     ui->add_option("--open", o.open, "folder of a data set to offer on the page")->type_name("DIR");
+    ui->add_option("--live", o.live, "an output of a running `schuler live`, tcp://HOST:PORT, shown as it arrives")
+        ->type_name("ADDRESS");
+    ui->add_option("--tiles", o.tiles, "folder of map tiles, ZOOM/X/Y.png, as the background of tracks")
+        ->check(CLI::ExistingDirectory)
+        ->type_name("DIR");
     ui->add_option("--workspace", o.workspace, "folder of runs and uploads, default out")->type_name("DIR");
     ui->add_option("--max-upload", o.max_upload_mb, "largest file that is taken, default 2048")
         ->check(CLI::Range(1, 1 << 20))
@@ -58,6 +64,8 @@ void serve_page(const CommandLine& o) {
     serve::ServerSettings settings;
     settings.service.workspace = o.workspace;
     settings.service.opened = o.open;
+    settings.service.tiles = o.tiles;
+    settings.service.live = serve::live_address(o.live);
     settings.service.program = own_path();
     settings.service.version = SCHULER_VERSION;
     settings.service.max_upload = static_cast<std::uintmax_t>(o.max_upload_mb) << 20;

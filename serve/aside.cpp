@@ -15,6 +15,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <span>
 #include <sstream>
 
@@ -48,11 +49,13 @@ Json understand(const std::string& form_name, const fs::path& file) {
 
 Json read_all(const fs::path& folder) {
     Results results;
+    std::set<std::string> tables;  // a table is read whole, whichever of its columns is asked for
     for (const Json& group : results.channels(folder))
         for (const Json& column : group["columns"]) {
             SeriesRequest request;
             request.columns = {column["id"].get<std::string>()};
-            (void)results.series(folder, request, folder);
+            if (tables.insert(request.columns[0].substr(0, request.columns[0].find(':'))).second)
+                (void)results.series(folder, request, folder);
         }
     return {{"read", true}};
 }

@@ -8,7 +8,7 @@ namespace schuler::serve {
 namespace {
 
 constexpr std::array groups{CsvGroup{"gravity.csv", "/gravity"}, CsvGroup{"epochs.csv", "/ensemble"},
-                            CsvGroup{"solution.csv", "/attitude", true}};
+                            CsvGroup{"solution.csv", "/attitude", true}, CsvGroup{"carrier.csv", "/carrier", false, true}};
 
 /// Units denoted by parts of a name; longer ones first.
 // clang-format off

@@ -9,11 +9,12 @@
 
 namespace schuler::serve {
 
-/// A CSV file of a run whose first column is time_s on the axis of the run, and the group it is shown as. The table of a group is
+/// A CSV file of a run whose first column is time_s (on the axis of the run if not `absolute`), and the group it is shown as. The table of a group is
 /// GROUP/table.
 struct CsvGroup {
     const char *file, *group;
-    bool alone = false;  ///< only without run.h5, which would contain the same
+    bool alone = false;     ///< only without run.h5, which would contain the same
+    bool absolute = false;  ///< time_s is GPS time; the axis of the run begins at the origin of run.h5
 };
 [[nodiscard]] std::span<const CsvGroup> csv_groups();
 

@@ -248,12 +248,25 @@ void Jobs::read_from(Child& child, int which) {
     }
 }
 
+namespace {
+
+/// The program also ends with status 1 where its complete result is not to be used: that is a verdict to be read, not a failure.
+bool has_result(const JobOrder& order, const JobReport& report) {
+    constexpr int not_to_be_used = 1;
+    if (report.exit_status != not_to_be_used || order.aside) return false;
+    std::error_code ec;
+    return order.result.empty() ? !report.output.empty() : std::filesystem::is_regular_file(order.result, ec);
+}
+
+}  // namespace
+
 void Jobs::reap(Child& child) {
     int status = 0;
     while (waitpid(child.pid, &status, 0) < 0 && errno == EINTR) {}
     JobReport r = child.report;  // both streams are closed: there is no more writer
     if (WIFEXITED(status)) r.exit_status = WEXITSTATUS(status);
-    r.state = child.cancelled ? JobState::Cancelled : r.exit_status == 0 ? JobState::Done : JobState::Failed;
+    const bool done = r.exit_status == 0 || has_result(child.order, r);
+    r.state = child.cancelled ? JobState::Cancelled : done ? JobState::Done : JobState::Failed;
     if (r.state == JobState::Done) r.progress = 1.0;
     if (child.cancelled) r.message = "cancelled";
     else if (child.too_late) r.message = "took too long and was ended";

@@ -26,10 +26,11 @@ struct JobOrder {
     std::filesystem::path program;
     std::vector<std::string> arguments;
     Confinement confinement;
-    bool keep_output = false;     ///< standard output is the result and is not added to the log
-    bool aside = false;           ///< does not wait for runs and is not reported to watchers
-    double limit_s = 0.0;         ///< terminated after this time; 0: never
-    std::size_t limit_bytes = 0;  ///< memory limit; 0: none
+    bool keep_output = false;      ///< standard output is the result and is not added to the log
+    bool aside = false;            ///< does not wait for runs and is not reported to watchers
+    std::filesystem::path result;  ///< a file that exists once the result is complete; if empty, the standard output that is kept
+    double limit_s = 0.0;          ///< terminated after this time; 0: never
+    std::size_t limit_bytes = 0;   ///< memory limit; 0: none
 };
 
 struct JobReport {

@@ -34,12 +34,16 @@ fs::path h5_of(const fs::path& folder) {
     return folder / "run.h5";
 }
 
+const CsvGroup* csv_group(const std::string& name) {
+    const auto it = std::ranges::find_if(csv_groups(), [&](const CsvGroup& g) { return name == g.group; });
+    return it == csv_groups().end() ? nullptr : &*it;
+}
+
 /// The CSV file with the table, or none.
 fs::path csv_of(const fs::path& folder, const std::string& path) {
     std::error_code ec;
-    for (const CsvGroup& g : csv_groups())
-        if (group_of(path) == g.group && !(g.alone && fs::is_regular_file(folder / "run.h5", ec))) return folder / g.file;
-    return {};
+    const CsvGroup* g = csv_group(group_of(path));
+    return g == nullptr || (g->alone && fs::is_regular_file(folder / "run.h5", ec)) ? fs::path{} : folder / g->file;
 }
 
 /// Changes with the file.
@@ -53,7 +57,14 @@ std::string key_of(const fs::path& folder, const std::string& path) {
 double origin_of(const io::Hdf5Reader& file) { return std::strtod(file.attribute("/", "origin_s").c_str(), nullptr); }
 
 ColumnTable read_table(const fs::path& folder, const std::string& path) {
-    if (const fs::path csv = csv_of(folder, path); !csv.empty()) return csv_columns(csv, path.ends_with("/time_s"));
+    if (const fs::path csv = csv_of(folder, path); !csv.empty()) {
+        ColumnTable out = csv_columns(csv, path.ends_with("/time_s"));
+        if (path.ends_with("/time_s") && csv_group(group_of(path))->absolute) {
+            const double origin = origin_of(io::Hdf5Reader(h5_of(folder)));
+            for (double& t : out.columns.at(0)) t -= origin;
+        }
+        return out;
+    }
     const io::Hdf5Reader file(h5_of(folder));
     const io::Hdf5Table table = file.table(path);
     ColumnTable out;
@@ -215,7 +226,8 @@ Json Results::channels(const fs::path& folder) {
                        {"columns", columns}});
     };
     for (const CsvGroup& g : csv_groups()) {
-        if (!fs::is_regular_file(folder / g.file, ec) || (g.alone && fs::is_regular_file(folder / "run.h5", ec))) continue;
+        const bool h5 = fs::is_regular_file(folder / "run.h5", ec);
+        if (!fs::is_regular_file(folder / g.file, ec) || (g.alone && h5) || (g.absolute && !h5)) continue;
         const std::string path = std::string(g.group) + "/table";
         const Table all = table(folder, path);
         Json columns = Json::array();

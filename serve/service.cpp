@@ -79,6 +79,9 @@ Service::Service(ServiceSettings settings)
     add_result_routes();
     add_noise_routes();
     add_kept_routes();
+    add_batch_routes();
+    add_live_routes();
+    add_tile_routes();
     if (!workspace_.alone()) return;  // another server is using this folder: active runs are its own
     for (const Json& run : workspace_.runs()) {
         if (run["state"] != "running" && run["state"] != "waiting") continue;
@@ -181,10 +184,18 @@ void Service::add_settings_routes() {
                            return json(openapi());
                        }});
     routes_.push_back(
-        {"GET", "/api/about", "version and limits", {}, "", "{version, max_upload, confined, opened}", [=, this](const Request&) {
+        {"GET",
+         "/api/about",
+         "version and limits",
+         {},
+         "",
+         "{version, max_upload, confined, opened, live, tiles: [zoom]}",
+         [=, this](const Request&) {
              return json({{"version", settings_.version},
                           {"max_upload", settings_.max_upload},
                           {"confined", can_confine()},
+                          {"tiles", tile_zooms()},
+                          {"live", settings_.live.empty() ? Json(nullptr) : Json(settings_.live.text())},
                           {"opened", settings_.opened.empty() ? Json(nullptr) : Json(settings_.opened.filename().string())}});
          }});
     routes_.push_back({"GET",
@@ -213,6 +224,23 @@ void Service::add_settings_routes() {
                        "{settings: {key: value}} or {toml: text}",
                        "{settings, used, toml, problem, track}",
                        [=, this](const Request& r) { return json(understood_aside(Json::parse(r.body), form_of(r))); }});
+}
+
+void Service::add_live_routes() {
+    routes_.push_back({"GET",
+                       "/api/live",
+                       "messages of the `schuler live` that --live names, as server-sent events",
+                       {},
+                       "",
+                       "text/event-stream of \"live\" (a message of docs/live.md) and \"link\" ({connected, text, address})",
+                       [this](const Request&) {
+                           if (settings_.live.empty())
+                               throw Refusal{404, "no live navigation is shown", "start with --live tcp://HOST:PORT"};
+                           Reply reply;
+                           reply.type = "text/event-stream";
+                           reply.events = [feed = std::make_shared<LiveFeed>(settings_.live)] { return feed->next(); };
+                           return reply;
+                       }});
 }
 
 Json Service::openapi() const {

@@ -3,6 +3,7 @@
 
 #include "serve/forms.h"
 #include "serve/jobs.h"
+#include "serve/live_feed.h"
 #include "serve/message.h"
 #include "serve/results.h"
 #include "serve/workspace.h"
@@ -21,8 +22,10 @@ namespace schuler::serve {
 struct ServiceSettings {
     std::filesystem::path workspace = "out";
     std::filesystem::path opened;   ///< a user data set; may be empty
+    std::filesystem::path tiles;    ///< of a map, ZOOM/X/Y.png; may be empty
     std::filesystem::path program;  ///< executable used for runs
     std::string version;
+    LiveAddress live;                                        ///< of a running `schuler live`; may be empty
     std::uintmax_t max_upload = std::uintmax_t{2048} << 20;  ///< bytes of one file; eight times this in total
     std::size_t runs_at_once = 0;                            ///< 0: the number of cores, at most four
 };
@@ -68,9 +71,15 @@ private:
     void add_result_routes();
     void add_noise_routes();
     void add_kept_routes();
+    void add_batch_routes();
+    void add_live_routes();
+    void add_tile_routes();
+    [[nodiscard]] Json tile_zooms() const;
     [[nodiscard]] Reply dispatch(Request& request);
     [[nodiscard]] Reply start_run(const Json& order);
     [[nodiscard]] Reply start_study(const Json& order);
+    /// A run of each data set with the same order. One that cannot be started is recorded as a failed run. @throws Refusal
+    [[nodiscard]] Json start_batch(const Json& order);
     [[nodiscard]] Json inspected(const std::string& dataset);
     /// JSON output of the program, executed in a child that may read only `readable`. @throws Refusal 422
     [[nodiscard]] Json asked_of_program(const std::string& what, std::vector<std::string> arguments,

@@ -40,6 +40,13 @@ std::string title_of(const Json& body, const std::string& otherwise) {
     return title;
 }
 
+std::string note_of(const Json& body) {
+    constexpr std::size_t longest = 4000;
+    const std::string note = body["note"].get<std::string>();
+    if (note.size() > longest) throw Refusal{422, fmt::format("a note has at most {} bytes", longest), {}, "note"};
+    return note;
+}
+
 double number_of(const Request& r, const std::string& name, double otherwise) {
     const std::string given = r.asked(name);
     if (given.empty()) return otherwise;
@@ -236,6 +243,8 @@ Reply Service::start_run(const Json& order) {
     const std::vector<std::string> words =
         argument_words(words_of(order, form, {}).front(), order.value("arguments", Json::object()));
     const std::string dataset = order.value("dataset", "");
+    const Json batch = order.value("batch", Json(nullptr));
+    if (!batch.is_null() && !batch.is_string()) throw Refusal{422, "batch is the name of one", {}, "batch"};
     fs::path input;
     if (form == Form::Dataset) {
         input = workspace_.dataset_folder(dataset);
@@ -251,7 +260,8 @@ Reply Service::start_run(const Json& order) {
          {"message", ""},
          // clang-format off
          {"order", {{"command", command}, {"runs", order.value("runs", 0)}, {"arguments", order.value("arguments", Json::object())}}},
-         {"dataset", dataset.empty() ? Json(nullptr) : Json(dataset)}});
+         {"dataset", dataset.empty() ? Json(nullptr) : Json(dataset)},
+         {"batch", batch}});
     // clang-format on
     const fs::path folder = workspace_.run_folder(id);
     const fs::path file = folder / (form == Form::Scenario ? "scenario.toml" : "settings.toml");
@@ -267,6 +277,7 @@ Reply Service::start_run(const Json& order) {
     if (order.contains("output_rate_hz") && command == "run")
         job.arguments.insert(job.arguments.end(), {"--output-rate", fmt::format("{}", order["output_rate_hz"].get<double>())});
     job.confinement = confinement(input, folder);
+    job.result = folder / "summary.json";
     jobs_.start(std::move(job));
     return json(run_now(id), 201);
 }
@@ -310,7 +321,8 @@ void Service::add_run_routes() {
          "all runs of the workspace, newest first",
          {},
          "",
-         "[{id, title, kind, state, message, created, dataset, command, order, scheme, duration_s, error_m, reference}]",
+         "[{id, title, kind, state, message, created, dataset, command, order, batch, note, verdict, scheme, duration_s, error_m, "
+         "reference}]",
          [this](const Request&) {
              Json all = workspace_.runs();
              for (Json& run : all) run = run_now(run["id"]);
@@ -346,11 +358,20 @@ void Service::add_run_routes() {
                            run["files"] = files;
                            return json(run);
                        }});
-    routes_.push_back(
-        {"PATCH", "/api/runs/{run}", "gives a run another title", {}, "{title}", "the run", [this](const Request& r) {
-             workspace_.note(r.parts[0], {{"title", title_of(Json::parse(r.body), "")}});
-             return json(run_now(r.parts[0]));
-         }});
+    routes_.push_back({"PATCH",
+                       "/api/runs/{run}",
+                       "gives a run another title or a note",
+                       {},
+                       "{title, note}, one of them or both",
+                       "the run",
+                       [this](const Request& r) {
+                           const Json body = Json::parse(r.body);
+                           Json fields = Json::object();
+                           if (body.contains("title") || !body.contains("note")) fields["title"] = title_of(body, "");
+                           if (body.contains("note")) fields["note"] = note_of(body);
+                           workspace_.note(r.parts[0], fields);
+                           return json(run_now(r.parts[0]));
+                       }});
     routes_.push_back({"DELETE", "/api/runs/{run}", "removes a run and its files", {}, "", "{}", [this](const Request& r) {
                            if (jobs_.busy(r.parts[0])) throw Refusal{409, "the run is still at work", "cancel it first"};
                            workspace_.remove_run(r.parts[0]);

@@ -18,7 +18,9 @@ namespace {
 namespace fs = std::filesystem;
 using settings::OptionSpec;
 
-bool is_study(const app::Command& command) { return command.perform && command.name.starts_with("analyze "); }
+bool is_study(const app::Command& command) {
+    return command.perform && (command.name.starts_with("analyze ") || command.name == "paper");
+}
 
 /// Fields of its form: files are taken from the workspace only.
 std::vector<OptionSpec> study_fields(const app::Command& command) {
@@ -29,7 +31,7 @@ std::vector<OptionSpec> study_fields(const app::Command& command) {
 }
 
 const OptionSpec* input_of(const app::Command& command) {
-    const auto it = std::ranges::find_if(command.options, [](const OptionSpec& s) { return s.line.positional; });
+    const auto it = std::ranges::find_if(command.options, [](const OptionSpec& s) { return s.line.positional && s.line.file; });
     return it == command.options.end() ? nullptr : &*it;
 }
 
@@ -60,10 +62,18 @@ Reply Service::start_study(const Json& order) {
     const std::vector<OptionSpec> fields = study_fields(command);
     const settings::SettingList given = settings_from_json(order.value("settings", Json::object()), fields);
     std::vector<std::string> words = io::split(command.name, ' ');
-    for (const settings::Setting& s : given) {
-        const OptionSpec& spec = *std::ranges::find(fields, s.key, &OptionSpec::key);
-        settings::check_value(spec, s.value, s.place);
-        for (std::string& word : settings::words_from_value(spec, s.value)) words.push_back(std::move(word));
+    for (const OptionSpec& spec : fields) {  // in their order: some are positional
+        const auto s = std::ranges::find(given, spec.key, &settings::Setting::key);
+        if (s == given.end()) {
+            if (spec.line.positional && spec.line.required) throw Refusal{422, spec.key + " is missing", spec.help, spec.key};
+            continue;
+        }
+        settings::check_value(spec, s->value, s->place);
+        for (std::string& word : settings::words_from_value(spec, s->value)) {
+            if (spec.line.positional && word.starts_with('-'))  // would be taken for an option
+                throw Refusal{422, fmt::format("\"{}\" cannot be {}", word, spec.key), spec.help, spec.key};
+            words.push_back(std::move(word));
+        }
     }
     const OptionSpec* input = input_of(command);
     const std::string dataset = order.value("dataset", "");
@@ -116,7 +126,7 @@ Reply Service::start_study(const Json& order) {
 void Service::add_study_routes() {
     routes_.push_back({"GET",
                        "/api/studies",
-                       "the studies of `schuler analyze`, each with its form",
+                       "the studies of `schuler analyze` and `schuler paper`, each with its form",
                        {},
                        "",
                        "[{command, purpose, examples, input: what it works on, or null, options: as /api/options}]",
@@ -124,6 +134,21 @@ void Service::add_study_routes() {
                            Json out = Json::array();
                            for (const app::Command& command : app::commands())
                                if (is_study(command)) out.push_back(study_json(command));
+                           Reply reply;
+                           reply.body = out.dump(-1, ' ', false, Json::error_handler_t::replace);
+                           return reply;
+                       }});
+    routes_.push_back({"GET",
+                       "/api/papers",
+                       "the tables and figures of the papers that `schuler paper` computes",
+                       {},
+                       "",
+                       "[{paper, items: [{item, what, page, place, printed_numbers, runs, seconds}]}]",
+                       [this](const Request&) {
+                           Json out = Json::array();
+                           const auto& options = study_named("paper").options;
+                           for (const std::string& paper : std::ranges::find(options, "paper", &OptionSpec::key)->choices)
+                               out.push_back(asked_of_program("paper", {"paper", paper, "--json"}, {}, {}));
                            Reply reply;
                            reply.body = out.dump(-1, ' ', false, Json::error_handler_t::replace);
                            return reply;

@@ -51,6 +51,14 @@ std::int64_t written_at(const fs::path& file) {
     return std::chrono::duration_cast<std::chrono::seconds>(system.time_since_epoch()).count();
 }
 
+/// Changes with the file.
+std::string stamp_of(const fs::path& file) {
+    std::error_code ec;
+    const auto time = fs::last_write_time(file, ec);
+    if (ec) return "none;";
+    return fmt::format("{}|{};", time.time_since_epoch().count(), fs::file_size(file, ec));
+}
+
 std::int64_t now() {
     return std::chrono::duration_cast<std::chrono::seconds>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
@@ -123,6 +131,11 @@ Json Workspace::runs() const {
 
 Json Workspace::run(const std::string& id) const {
     const fs::path folder = run_folder(id);
+    const std::string stamp = stamp_of(folder / state_file) + stamp_of(folder / "summary.json");
+    {
+        const std::lock_guard lock(read_mutex_);
+        if (const auto it = read_.find(id); it != read_.end() && it->second.stamp == stamp) return it->second.run;
+    }
     const Json state = json_of(folder / state_file), summary = json_of(folder / "summary.json");
     const auto text = [&](const char* name, const Json& otherwise) { return state.contains(name) ? state[name] : otherwise; };
     Json out{{"id", id},
@@ -134,10 +147,15 @@ Json Workspace::run(const std::string& id) const {
              {"dataset", text("dataset", nullptr)},
              {"command", text("command", nullptr)},
              {"order", text("order", nullptr)},
+             {"batch", text("batch", nullptr)},
+             {"note", text("note", "")},
+             {"verdict", member(summary, {"verdict", "word"})},
              {"scheme", member(summary, {"scheme"})},
              {"duration_s", member(summary, {"duration_s"})},
              {"error_m", member(summary, {"errors", "position_m", "horizontal", "rms"})},
              {"reference", member(summary, {"reference"})}};
+    const std::lock_guard lock(read_mutex_);
+    read_[id] = {stamp, out};
     return out;
 }
 
@@ -187,6 +205,10 @@ void Workspace::note(const std::string& id, const Json& fields) {
 void Workspace::remove_run(const std::string& id) {
     std::error_code ec;
     fs::remove_all(run_folder(id), ec);
+    {
+        const std::lock_guard lock(read_mutex_);
+        read_.erase(id);
+    }
     if (ec) throw Refusal{507, fmt::format("{} cannot be removed: {}", id, ec.message())};
 }
 

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -59,6 +61,13 @@ private:
     [[nodiscard]] std::string new_folder(const std::filesystem::path& parent, const std::string& title) const;
     std::filesystem::path root_, opened_;
     int lock_ = -1;  ///< held during the lifetime of the server
+    /// What run() read, by id, with the times and sizes of the files: the list of a thousand runs reads only those that changed.
+    struct Read {
+        std::string stamp;
+        Json run;
+    };
+    mutable std::mutex read_mutex_;
+    mutable std::map<std::string, Read> read_;
 };
 
 /// A file received in parts: appears under its name only when complete.

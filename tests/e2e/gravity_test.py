@@ -50,6 +50,7 @@ def gravity(program, source):
     summary = json.loads(program("gravity", "survey.toml", "-o", "g", "--json").stdout)
     found = summary["gravity"]
     check(summary["command"] == "gravity" and found["usable"], "a survey with a gravimeter's accelerometers is usable")
+    check(summary["verdict"] is None, f"a survey is judged by its own figures, not by a verdict that was never formed: {summary['verdict']}")
     up = found["vertical_mgal"]
     check(abs(up["estimate"] - 10.0 - up["final"]) < 1e-9, "estimate less truth is the error")
     check(up["sigma"] < 0.5 and abs(up["final"]) < 4 * up["sigma"], f"vertical {up} within four sigma")

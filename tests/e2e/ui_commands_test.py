@@ -2,6 +2,10 @@
 
     ui_commands_test.py TOPIC --program PATH --source ROOT      exit status 0 passed, 1 failed
 """
+import http.client
+import json
+import socket
+import subprocess
 import sys
 import tempfile
 import time
@@ -56,7 +60,9 @@ def commands(program, source):
 
         forms(server)
         attitude(server, Path(folder))
+        batches(server)
         kept(server, program, folder, order)
+    live(program)
 
 
 def forms(server):
@@ -92,6 +98,62 @@ def attitude(server, folder):
     check("gravity-field" not in examples, "files of examples are no examples")
     survey = server.json("POST", "/api/settings", {"toml": examples["gravity-survey"]["toml"]})
     check(survey["problem"] is None, f"a survey over a field of the ground: {survey['problem']}")
+
+
+def batches(server):
+    """Several data sets with the same settings: a run of each, the one that cannot start too; names are not used twice."""
+    sets = [server.json("POST", "/api/datasets", {"title": name})["name"] for name in ("first", "second")]
+    before = len(server.json("GET", "/api/runs"))
+    refused(server, "POST", "/api/batches", 422, ("datasets",), {"title": "x", "datasets": []})
+    refused(server, "POST", "/api/batches", 404, ("none",), {"title": "x", "datasets": [sets[0], "none"]})
+    refused(server, "POST", "/api/batches", 400, (), {"title": "x", "datasets": ["../data"]})
+    check(len(server.json("GET", "/api/runs")) == before, "nothing of a refused batch is started")
+    order = {"title": "both", "datasets": sets, "settings": {"filter.scheme": "loose"}, "arguments": {"smooth": True}}
+    for name in ("both", "both 2"):
+        batch = server.json("POST", "/api/batches", order, 201)
+        check(batch["batch"] == name and len(batch["runs"]) == 2, f"its name and runs: {batch}")
+        for run in batch["runs"]:
+            end = server.finished(run)
+            check(end["batch"] == name and end["state"] == "failed" and end["message"], f"an empty data set fails with its reason: {end}")
+    wrong = server.json("POST", "/api/batches", {**order, "settings": {"filter.scheme": "none such"}}, 201)
+    states = [server.json("GET", f"/api/runs/{run}") for run in wrong["runs"]]
+    check(all(s["state"] == "failed" and "none such" in s["message"] for s in states), f"settings that cannot be: {states}")
+    run = batch["runs"][0]
+    check(server.json("PATCH", f"/api/runs/{run}", {"note": "wet"})["note"] == "wet", "a note is kept")
+    check(server.json("PATCH", f"/api/runs/{run}", {"title": "new"})["note"] == "wet", "beside a new title")
+    refused(server, "PATCH", f"/api/runs/{run}", 422, ("note",), {"note": "x" * 5000})
+    refused(server, "POST", "/api/runs", 422, ("batch",), {"kind": "scenario", "toml": SMALL, "batch": 5})
+
+
+def live(program):
+    """Messages of `schuler live` as events; what is no message is passed over, a lost connection is told."""
+    with socket.create_server(("127.0.0.1", 0)) as source, tempfile.TemporaryDirectory() as folder:
+        address = f"tcp://127.0.0.1:{source.getsockname()[1]}"
+        wrong = subprocess.run([program, "ui", "--live", "serial:/dev/ttyS0"], cwd=folder, capture_output=True, text=True, timeout=60)
+        check(wrong.returncode == 2 and "tcp://HOST:PORT" in wrong.stderr, f"an address that is none: {wrong.returncode} {wrong.stderr}")
+        with Server(program, folder) as server:
+            check(server.json("GET", "/api/about")["live"] is None, "nothing live by itself")
+            refused(server, "GET", "/api/live", 404, ("--live",))
+        with Server(program, folder, "--live", address) as server:
+            check(server.json("GET", "/api/about")["live"] == address, "the address is told")
+            refused(server, "GET", "/api/live", 401, (), headers={"Authorization": None})
+            link = http.client.HTTPConnection("127.0.0.1", server.port, timeout=20)
+            link.request("GET", "/api/live", headers={"Authorization": f"Bearer {server.token}"})
+            source.settimeout(20)
+            sender, _ = source.accept()
+            sender.sendall(b'{"type":"state","lat_deg":1}\nrubbish\n[1]\n"' + b"x" * 200_000 + b'"\n{"type":"hea')
+            time.sleep(0.3)
+            sender.sendall(b'lth"}\n')
+            sender.close()
+            reply, events = link.getresponse(), []
+            while len(events) < 4:
+                line = reply.readline().decode()
+                if line.startswith("event: "):
+                    events.append((line[7:].strip(), json.loads(reply.readline().decode()[6:])))
+            link.close()
+            check([e[0] for e in events] == ["link", "live", "live", "link"], f"connection, two messages, its end: {events}")
+            check(events[1][1] == {"type": "state", "lat_deg": 1} and events[2][1] == {"type": "health"}, f"whole messages: {events}")
+            check(events[0][1]["connected"] and not events[3][1]["connected"] and events[3][1]["text"], f"and why: {events[3]}")
 
 
 def kept(server, program, folder, order):

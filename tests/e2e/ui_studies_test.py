@@ -23,6 +23,15 @@ def studies(program, source):
         done = server.finished(server.json("POST", "/api/studies", order, 201)["id"])
         check(done["state"] == "done" and done["summary"], f"a study of a scenario: {json.dumps(done)[:400]}")
 
+        papers = {p["paper"]: [i["item"] for i in p["items"]] for p in server.json("GET", "/api/papers")}
+        check(set(papers) == set("ABCDE") and "figure-4.1.1" in papers["A"], f"items of the papers: {papers.keys()}")
+        order = {"command": "paper", "settings": {"item": "figure-4.1.1", "paper": "A"}}
+        done = server.finished(server.json("POST", "/api/studies", order, 201)["id"])
+        rows = {r["key"]: r["agreement"] for r in (done["summary"] or {}).get("rows", [])}
+        check(done["state"] == "done" and rows.get("period") == "agrees" and "report.html" in done["files"], f"an item of a paper: {json.dumps(done)[:400]}")
+        refused(server, "POST", "/api/studies", 422, ["paper"], body='{"command": "paper", "settings": {"item": "figure-4.1.1"}}')
+        refused(server, "POST", "/api/studies", 422, ["item"], body='{"command": "paper", "settings": {"paper": "A", "item": "--help"}}')
+
         refused(server, "POST", "/api/studies", 422, ["not a study"], body='{"command": "process"}')
         refused(server, "POST", "/api/studies", 422, ["speed", "number"], body='{"command": "analyze equator", "settings": {"speed": "fast"}}')
         refused(server, "POST", "/api/studies", 422, ["spead", "speed"], body='{"command": "analyze equator", "settings": {"spead": 1}}')

@@ -20,6 +20,26 @@ JobOrder shell(const std::string& id, const std::string& script) {
     return order;
 }
 
+/// "do not use" is exit status 1: the result is there all the same, and is shown with its reasons.
+TEST(Jobs, AResultNotToBeUsedIsDone) {
+    const test::TemporaryFolder folder("results");
+    Jobs jobs(2);
+    const auto ends = [&](const std::string& id, const std::string& script, const std::filesystem::path& result, bool keep) {
+        JobOrder order = shell(id, script);
+        order.result = result;
+        order.keep_output = keep;
+        order.confinement.writable = {folder.path()};
+        EXPECT_TRUE(jobs.start(std::move(order)));
+        return jobs.wait(id).state;
+    };
+    const std::filesystem::path file = folder.path() / "summary.json";
+    EXPECT_EQ(ends("none", "exit 1", file, false), JobState::Failed);
+    EXPECT_EQ(ends("written", "echo {} >'" + file.string() + "'; exit 1", file, false), JobState::Done);
+    EXPECT_EQ(ends("unusable input", "exit 2", file, false), JobState::Failed) << "though the file is there";
+    EXPECT_EQ(ends("printed", "echo {}; exit 1", {}, true), JobState::Done);
+    EXPECT_EQ(ends("nothing printed", "exit 1", {}, true), JobState::Failed);
+}
+
 TEST(JobsThreads, ManyJobsEndAsTheyShould) {
     std::atomic<int> told{0};
     Jobs jobs(3, [&](const JobReport&) { ++told; });

@@ -43,6 +43,15 @@ export interface CommandForm {
   input?: string | null;
 }
 
+export interface PaperItem {
+  item: string;
+  what: string;
+  page: string;
+  printed_numbers: number;
+  runs: number;
+  seconds: number;
+}
+
 export interface Track {
   time_s: number[];
   north_m: number[];
@@ -79,6 +88,10 @@ export interface Run {
   duration_s: number | null;
   error_m: number | null;
   reference: string | null;
+  /** The batch that it belongs to. */
+  batch: string | null;
+  note: string;
+  verdict: string | null;
   progress?: number;
   /** Of a study. */
   command?: string | null;
@@ -109,6 +122,8 @@ export interface Summary {
   self_check?: Record<string, unknown> | null;
   separation?: Record<string, unknown> | null;
   events?: unknown;
+  /** Epochs of carrier phase against a base, by what their ambiguities are. */
+  carrier?: { epochs: number; fixed: number; float: number; single: number } | null;
   integrity?: { alerts: { time_s: number; channel: string; test: string; size: number }[] } | null;
   findings?: Record<string, unknown> | null;
   facts?: Fact[] | null;
@@ -275,7 +290,7 @@ function ranged(query: URLSearchParams, range: Range): string {
 }
 
 export const api = {
-  about: () => get<{ version: string; max_upload: number; confined: boolean; opened: string | null }>("/api/about"),
+  about: () => get<{ version: string; max_upload: number; confined: boolean; opened: string | null; live: string | null; tiles: number[] }>("/api/about"),
   options: (of: "scenario" | "dataset") => get<Option[]>(`/api/options?of=${of}`),
   examples: () => get<{ name: string; about: string; toml: string }[]>("/api/examples"),
   settings: (of: "scenario" | "dataset", body: { settings: Settings } | { toml: string }, signal?: AbortSignal) =>
@@ -287,6 +302,8 @@ export const api = {
   runs: () => get<Run[]>("/api/runs"),
   run: (run: string) => get<RunDetails>(`/api/runs/${id(run)}`),
   start: (order: Record<string, unknown>) => send<Run>("POST", "/api/runs", order),
+  startBatch: (order: Record<string, unknown>) => send<{ batch: string; runs: string[] }>("POST", "/api/batches", order),
+  annotate: (run: string, note: string) => send<Run>("PATCH", `/api/runs/${id(run)}`, { note }),
   rename: (run: string, title: string) => send<Run>("PATCH", `/api/runs/${id(run)}`, { title }),
   remove: (run: string) => send<object>("DELETE", `/api/runs/${id(run)}`),
   cancel: (run: string) => send<object>("POST", `/api/runs/${id(run)}/cancel`),
@@ -306,6 +323,7 @@ export const api = {
     ),
   commands: () => get<CommandForm[]>("/api/commands"),
   studies: () => get<CommandForm[]>("/api/studies"),
+  papers: () => get<{ paper: string; items: PaperItem[] }[]>("/api/papers"),
   startStudy: (order: Record<string, unknown>) => send<Run>("POST", "/api/studies", order),
   layouts: async () => (await get<Record<string, unknown> | null>("/api/layouts")) ?? {},
   keepLayouts: (all: Record<string, unknown>) => send<object>("PUT", "/api/layouts", all),
@@ -344,28 +362,30 @@ export interface RunEvent {
 
 type Listener = (e: RunEvent) => void;
 const listeners = new Set<Listener>();
-const connection = new Set<(alive: boolean) => void>();
-let alive = true;
+/** Refused: a server answers, but it was started anew and has another token. */
+export type ServerState = "alive" | "gone" | "refused";
+const connection = new Set<(state: ServerState) => void>();
+let server: ServerState = "alive";
 let watching = false;
 
 function told(event: RunEvent): void {
   for (const each of [...listeners]) each(event);
 }
 
-function connected(now: boolean): void {
-  if (now === alive) return;
-  alive = now;
+function connected(now: ServerState): void {
+  if (now === server) return;
+  server = now;
   for (const each of connection) each(now);
 }
 
 /** Tells when the server stops answering, and when it answers again. */
-export function watchServer(listener: (alive: boolean) => void): void {
+export function watchServer(listener: (state: ServerState) => void): void {
   connection.add(listener);
   window.setInterval(() => {
-    if (document.hidden && alive) return;
+    if (document.hidden && server === "alive") return;
     void fetch("/api/about", { signal: AbortSignal.timeout(6000) }).then(
-      () => connected(true),
-      () => connected(false),
+      (r) => connected(r.status === 401 ? "refused" : "alive"),
+      () => connected("gone"),
     );
   }, 4000);
 }
@@ -377,11 +397,19 @@ function listen(): void {
   if (channel) channel.onmessage = (e: MessageEvent<RunEvent>) => told(e.data);
   const open = () =>
     new Promise<void>(() => {
-      const source = new EventSource("/api/events");
-      source.addEventListener("run", (e) => {
-        const event = JSON.parse((e as MessageEvent<string>).data) as RunEvent;
-        told(event);
-        channel?.postMessage(event);
+      let source: EventSource;
+      const connect = () => {
+        source = new EventSource("/api/events");
+        source.addEventListener("run", (e) => {
+          const event = JSON.parse((e as MessageEvent<string>).data) as RunEvent;
+          told(event);
+          channel?.postMessage(event);
+        });
+      };
+      connect();
+      // the browser connects again by itself after a break, but not after a refusal
+      connection.add((state) => {
+        if (state === "alive" && source.readyState === EventSource.CLOSED) connect();
       });
     });
   if (channel && navigator.locks) void navigator.locks.request("schuler.events", open);

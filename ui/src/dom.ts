@@ -95,6 +95,7 @@ export async function copyText(text: string, what: string): Promise<void> {
 const drawings = {
   copy: "M5 5V2h9v9h-3M2 5h9v9H2z",
   full: "M2 6V2h4M10 2h4v4M14 10v4h-4M6 14H2v-4",
+  note: "M3 2h10v12H3zM5 5h6M5 8h6M5 11h4",
   lines: "M1 11l4-6 4 4 6-7M1 14h14",
 } as const;
 

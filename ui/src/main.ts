@@ -4,9 +4,11 @@ import "./style.css";
 import { append, h, replace, tell } from "./dom";
 import { language, setLanguage, t } from "./i18n";
 import type { Page } from "./page";
+import { batchPage, batchTablePage } from "./pages/batch";
 import { comparePage } from "./pages/compare";
 import { dataPage } from "./pages/data";
 import { editorPage } from "./pages/editor";
+import { livePage } from "./pages/live";
 import { runPage } from "./pages/run";
 import { startPage } from "./pages/start";
 import { studiesPage } from "./pages/studies";
@@ -45,6 +47,12 @@ async function open(): Promise<void> {
             ? runPage(rest[0] ?? "", rest[1] ?? "")
             : kind === "compare"
               ? comparePage(rest)
+              : kind === "batch"
+                ? rest[0]
+                  ? batchTablePage(rest[0])
+                  : batchPage(parameters)
+              : kind === "live"
+                ? livePage()
               : kind === "studies"
                 ? studiesPage(parameters, rest[0] ?? "")
                 : startPage();
@@ -117,7 +125,9 @@ function frame(): void {
         { "aria-label": t("nav") },
         h("a", { href: "#/" }, t("nav.start")),
         h("a", { href: "#/scenario?example=demo" }, t("nav.scenario")),
+        h("a", { href: "#/batch" }, t("nav.batch")),
         h("a", { href: "#/studies" }, t("nav.studies")),
+        h("a", { href: "#/live" }, t("nav.live")),
       ),
       h("span", { class: "grow" }),
       h(
@@ -170,10 +180,10 @@ matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
 });
 window.addEventListener("hashchange", () => void open());
 window.addEventListener("unhandledrejection", (e) => tell(String((e.reason as Error)?.message ?? e.reason), "error"));
-watchServer((alive) => {
-  banner.textContent = t("server.gone");
-  banner.hidden = alive;
-  if (alive && shown === null) void open();
+watchServer((state) => {
+  banner.textContent = t(state === "refused" ? "server.anew" : "server.gone");
+  banner.hidden = state === "alive";
+  if (state === "alive" && shown === null) void open();
 });
 frame();
 void open();

@@ -14,8 +14,8 @@ export function skip(why) {
 }
 
 /** The server in `folder`, its workspace `folder`/work; `words`: more of its command line. */
-export async function serve(program, folder, words = []) {
-  const server = spawn(program, ["ui", "--port", "0", "--workspace", join(folder, "work"), ...words], {
+export async function serve(program, folder, words = [], port = 0) {
+  const server = spawn(program, ["ui", "--port", String(port), "--workspace", join(folder, "work"), ...words], {
     cwd: folder,
     stdio: ["ignore", "pipe", "inherit"],
   });

@@ -1,10 +1,12 @@
 // The page of `schuler ui` in a real browser on real runs, as a user goes through it.
-//   node page_test.mjs --program SCHULER --modules NODE_MODULES [--browser CHROMIUM] [--shots FOLDER]
+//   node page_test.mjs --program SCHULER --modules NODE_MODULES [--browser CHROMIUM] [--shots FOLDER] [--only work [--steps batch,carrier]]
+// --only work: the steps of page_work.mjs alone, which need no run of the others; --steps: some of them.
 // Exit status 0 passed, 1 failed, 77 skipped (no browser, or no packages for it).
 import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { browse, optionsOf, serve, visitTabs } from "./browse.mjs";
+import { work } from "./page_work.mjs";
 
 const options = optionsOf(process.argv.slice(2));
 // the example flight, and where GNSS is cut in it, s
@@ -32,10 +34,10 @@ const shot = async (name) => {
   await page.waitForTimeout(700);
   await page.screenshot({ path: join(options.shots, `${name}.png`) });
 };
-const accessible = async (where) => {
-  await page.mouse.move(0, 0);   // a line that the mouse is near fades the others
-  await page.evaluate(axe);
-  const found = await page.evaluate(() =>
+const accessible = async (where, of = page) => {
+  await of.mouse.move(0, 0);   // a line that the mouse is near fades the others
+  await of.evaluate(axe);
+  const found = await of.evaluate(() =>
     globalThis.axe.run(document, { runOnly: ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"] }),
   );
   for (const v of found.violations)
@@ -467,20 +469,24 @@ async function dress(id) {
 
 try {
   await start();
-  const first = await flight();
-  await views(first);
-  await signals(first);
-  await drafts();
-  const second = await cut(first);
-  await studies();
-  await attitude();
-  await narrow([second, first]);
-  await ranges(...(await compare()));
-  await noise();
-  await campaign();
-  await gravity();
-  await upload();
-  await dress(second);
+  await work({ page, address, ask, check, soon, accessible, shot, tabs, folder, options, done });
+  if (options.only !== "work") {
+    await page.goto(address);
+    const first = await flight();
+    await views(first);
+    await signals(first);
+    await drafts();
+    const second = await cut(first);
+    await studies();
+    await attitude();
+    await narrow([second, first]);
+    await ranges(...(await compare()));
+    await noise();
+    await campaign();
+    await gravity();
+    await upload();
+    await dress(second);
+  }
 } catch (e) {
   check(false, String(e.stack ?? e));
   if (options.shots) await page.screenshot({ path: join(options.shots, "failed.png") }).catch(() => undefined);

@@ -229,7 +229,7 @@ report::ReportInput report_page(const solution::ResultBundle& b) {
     add_sensor_errors(b, data);
     data.outages = outages_of(b);
     add_findings(b, data);
-    data.verdict = solution::words_of(b.verdict.word);
+    if (!b.verdict.reasons.empty()) data.verdict = solution::words_of(b.verdict.word);  // otherwise none was formed
     data.reasons = b.verdict.reasons;
     data.check = check_of(b.self_check);
     for (const solution::HealthInterval& h : solution::health_of(b.data, b.result))

@@ -218,7 +218,9 @@ Json health_json(const solution::ResultBundle& b) {
     return list;
 }
 
+/// Null if none was formed: surveys and campaigns are judged by other figures. A verdict always has reasons.
 Json verdict_json(const solution::SolutionVerdict& verdict) {
+    if (verdict.reasons.empty()) return nullptr;
     return {{"word", solution::word_of(verdict.word)}, {"reasons", verdict.reasons}};
 }
 

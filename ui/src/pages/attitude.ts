@@ -6,6 +6,11 @@ import { TimePlot } from "../plots/timeplot";
 
 type Values = (number | null)[];
 
+/** A gap where an angle passes from one end of its range to the other, instead of a line across the plot. */
+export function withoutJumps(v: Values): Values {
+  return v.map((x, i) => (i > 0 && x !== null && v[i - 1] !== null && Math.abs(x - v[i - 1]!) > 180 ? null : x));
+}
+
 export function attitudePlots(run: string, groups: Group[], linked: Linked): TimePlot[] {
   const g = groups.find((x) => x.group === "/attitude");
   if (!g) return [];
@@ -23,10 +28,7 @@ export function attitudePlots(run: string, groups: Group[], linked: Linked): Tim
           lines: [{ label: t(axis), ink }],
           load: async (from, to, points, signal) => {
             const s = await api.series(run, [id(`${axis}_deg`)], { from, to, points }, undefined, signal);
-            // a gap where the heading passes north, instead of a line across the plot
-            const v = s.columns[id(`${axis}_deg`)]!;
-            const gaps: Values = v.map((x, i) => (i > 0 && x !== null && v[i - 1] !== null && Math.abs(x - v[i - 1]!) > 180 ? null : x));
-            return { x: s.time_s, y: [gaps] };
+            return { x: s.time_s, y: [withoutJumps(s.columns[id(`${axis}_deg`)]!)] };
           },
         },
         linked,

@@ -6,7 +6,12 @@ import type { Page } from "../page";
 import { Linked } from "../plots/linked";
 import { PlanView } from "../plots/plan";
 import { TimePlot, linkCursors, type Data } from "../plots/timeplot";
+import { withoutJumps } from "./attitude";
+import { nameOf as documentName } from "./document";
+import { nameOf as ensembleName } from "./ensemble";
 import { errorRows, table } from "./overview";
+import { planeOf } from "./quality";
+import { isDocument } from "./run";
 import { resampled, unit } from "./views";
 
 type Values = (number | null)[];
@@ -43,7 +48,8 @@ function statistics(runs: RunDetails[]): HTMLElement {
     walk(rest, "", 0);
     return out;
   });
-  if (names.length === 0)
+  const couplings = runs.every((r) => r.summary?.schemes);
+  if (names.length === 0 && !couplings)
     for (const key of [...new Set(flat.flatMap((f) => [...f.keys()]))].slice(0, 120))
       rows.push([key, ...flat.map((f) => number(f.get(key) ?? null))]);
   const outages = Math.max(0, ...runs.map((r) => r.summary?.outages?.length ?? 0));
@@ -55,12 +61,63 @@ function statistics(runs: RunDetails[]): HTMLElement {
         return o ? `${number(o.max_horizontal_m)} (${number(o.start_s)}–${number(o.start_s + o.duration_s)} s)` : "–";
       }),
     ]);
+  if (couplings) return couplingTables(runs);
   return table([`${t("table.quantity")}, rms`, ...runs.map((r) => r.title)], rows, t("compare.table"));
+}
+
+/** Of comparisons of couplings: a table a quantity, a row a coupling, a column a run. */
+function couplingTables(runs: RunDetails[]): HTMLElement {
+  const nameOf = (row: Record<string, unknown>) => `${String(row["scheme"])}${typeof row["satellites"] === "number" ? `, ${row["satellites"]}` : ""}`;
+  const rows = runs.map((r) => new Map((r.summary?.schemes ?? []).map((s) => [nameOf(s), s])));
+  const couplings = [...new Set(rows.flatMap((m) => [...m.keys()]))];
+  const quantities = [...new Set(rows.flatMap((m) => [...m.values()].flatMap((s) => Object.keys(s))))].filter(
+    (key) => key !== "satellites" && rows.some((m) => [...m.values()].some((s) => typeof s[key] === "number")),
+  );
+  return h(
+    "div",
+    { class: "coupling-tables" },
+    ...quantities.map((key) =>
+      table(
+        [t("run.scheme"), ...runs.map((r) => r.title)],
+        couplings.map((c) => [c, ...rows.map((m) => number(m.get(c)?.[key] as number | undefined))]),
+        documentName(key),
+      ),
+    ),
+  );
+}
+
+/** What is overlaid of runs without errors of their own: the column, its title, and whether it is an angle that may jump. */
+function overlaidColumns(group: string, names: string[]): { name: string; title: string; jumps?: boolean }[] {
+  const sigma = (what: string, axis: string) => t("view.sigma_of", { what, axis }).trim();
+  const axes = ["roll", "pitch", "heading"];
+  const gravity: [string, string][] = [
+    ["gravity_disturbance_mgal", t("gravity.down")],
+    ["disturbance_east_mgal", t("gravity.east")],
+    ["disturbance_north_mgal", t("gravity.north")],
+    ["std_disturbance_up_mgal", sigma(t("gravity.down"), "")],
+    ["std_disturbance_east_mgal", sigma(t("gravity.east"), "")],
+    ["std_disturbance_north_mgal", sigma(t("gravity.north"), "")],
+    ["free_air_anomaly_mgal", t("gravity.free_air")],
+    ["classical_mgal", t("gravity.classical")],
+    ["eotvos_mgal", t("gravity.eotvos")],
+  ];
+  const all =
+    group === "/attitude"
+      ? [...axes.map((a) => ({ name: `${a}_deg`, title: t(a), jumps: true })), ...axes.map((a) => ({ name: `std_${a}_deg`, title: sigma("", t(a)) }))]
+      : group === "/gravity"
+        ? gravity.map(([name, title]) => ({ name, title }))
+        : names
+            .filter((n) => n.endsWith("_rms") || /^nees_(?!.*_(low|high)95$)/.test(n))
+            .map((name) => ({
+              name,
+              title: name.startsWith("nees_") ? `NEES: ${ensembleName(name.slice(5)).toLowerCase()}` : `${t("ensemble.error_of", { what: ensembleName(name) })}, rms`,
+            }));
+  return all.filter((c) => names.includes(c.name));
 }
 
 export async function comparePage(ids: string[]): Promise<Page> {
   const runs = await Promise.all(ids.map((id) => api.run(id)));
-  const groups: Group[][] = await Promise.all(runs.map((r) => api.channels(r.id).catch(() => [])));
+  const groups: Group[][] = await Promise.all(runs.map((r) => isDocument(r) ? [] : api.channels(r.id).catch(() => [])));
   const stops = groups.flat().map((g) => g.stop_s ?? 0);
   const linked = new Linked(0, Math.max(1, ...stops));
   const spans = runs.flatMap((r) =>
@@ -87,22 +144,27 @@ export async function comparePage(ids: string[]): Promise<Page> {
   // attitude runs, campaigns and surveys have tables of their own
   for (const group of ["/attitude", "/gravity", "/ensemble"]) {
     const theirs = groups.map((g) => g.find((x) => x.group === group));
-    const common = theirs.find(Boolean)?.columns.filter((c) => !/lat|lon|_q\d|_median|(low|high)95|^vel_|^std_(n|e|d|v)/.test(c.name)) ?? [];
+    const columns = theirs.find(Boolean)?.columns ?? [];
     if (theirs.filter(Boolean).length > 1)
-      for (const column of common.slice(0, 18))
+      for (const { name, title, jumps } of overlaidColumns(group, columns.map((c) => c.name))) {
+        const column = columns.find((c) => c.name === name)!;
         plots.push(
           new TimePlot(
             {
-              title: `${group.slice(1)} ${column.name.replaceAll("_", " ")}`,
+              title,
               unit: unit(column.unit),
               lines,
               robust: true,
               mayBeEmpty: true,
-              load: (from, to, points, signal) => together(runs, column.id, { from, to, points }, signal),
+              load: async (from, to, points, signal) => {
+                const all = await together(runs, column.id, { from, to, points }, signal);
+                return jumps ? { ...all, y: all.y.map(withoutJumps) } : all;
+              },
             },
             linked,
           ),
         );
+      }
   }
   const base = h(
     "select",
@@ -154,7 +216,10 @@ export async function comparePage(ids: string[]): Promise<Page> {
       };
     }),
   );
-  if (tracks.length > 0) plan.show(tracks);
+  if (tracks.length > 0) {
+    plan.show(tracks);
+    void planeOf(withTrack[0]!.id).then((plane) => plane && plan.lie(plane));
+  }
   linkCursors(plots, linked);
   differ();
   const element = h(
@@ -174,7 +239,7 @@ export async function comparePage(ids: string[]): Promise<Page> {
       ),
     ),
     statistics(runs),
-    plots.length > 0 && h("h2", null, t("compare.overlay")),
+    plots.length > 0 && h("h2", null, t(errors ? "compare.overlay" : "compare.columns")),
     h("div", { class: "plots" }, ...plots.map((p) => p.element)),
     withTrack.length > 1 && h("h2", null, t("compare.base"), " ", base),
     withTrack.length > 1 && place,

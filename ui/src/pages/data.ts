@@ -153,8 +153,8 @@ export async function dataPage(name: string, query: URLSearchParams): Promise<Pa
     invalid.fields = wrong;
     allow();
   };
-  const gnss = found.files.find((f) => /gnss|pos|nmea/.test(f.kind)) ?? found.files[0];
-  const length = gnss && gnss.start_s !== null && gnss.stop_s !== null ? gnss.stop_s - gnss.start_s : 600;
+  const gnss = found.files.filter((f) => /gnss|pos|nmea/.test(f.kind));
+  const length = Math.max(0, ...(gnss.length > 0 ? gnss : found.files).map((f) => (f.stop_s ?? 0) - (f.start_s ?? 0))) || 600;
   const outages = new OutageLine((list) =>
     form.put(
       "outage",

@@ -22,7 +22,7 @@ function unitOf(key: string): string {
   return units.find(([mark]) => mark.test(key))?.[1] ?? "";
 }
 
-function nameOf(key: string): string {
+export function nameOf(key: string): string {
   const mark = units.find(([m]) => m.test(key));
   const words = (mark ? key.replace(mark[0], "") : key).replaceAll("_", " ");
   return `${maybe(`word.${words}`, words)}${mark ? `, ${mark[1]}` : ""}`;

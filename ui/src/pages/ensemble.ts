@@ -11,7 +11,7 @@ import { loader, unit } from "./views";
 const most_rows = 200;
 
 /** "position_east_m" as "Position east", "nees_position" as "NEES: position". */
-function nameOf(key: string): string {
+export function nameOf(key: string): string {
   const [, block = key, axis = ""] = /^(.+?)_(east|north|up|down|x|y|z)_/.exec(key) ?? [];
   const words = { position: "view.position", velocity: "view.velocity", attitude: "view.attitude", gyro_bias: "view.gyro_bias", accel_bias: "view.accel_bias" };
   const known = (words as Record<string, string>)[block];

@@ -74,9 +74,10 @@ export function statCards(run: RunDetails): HTMLElement | null {
   const shown = ["position_m.horizontal", "position_m.up", "attitude_deg.heading"];
   for (const { key, name, spread } of errorRows(s).sort((a, b) => shown.indexOf(a.key) - shown.indexOf(b.key)))
     if (shown.includes(key)) append(cards, card(name, number(spread.rms, 3), `rms · ${t("table.max")} ${number(spread.max, 3)}`));
-  if (s.duration_s) append(cards, card(t("run.duration"), `${number(s.duration_s)} s`, [s.scheme, s.mechanization].filter(Boolean).join(", ")));
-  if (s.imu) append(cards, card(t("overview.imu_card"), `${number(s.imu.rate_hz)} Hz`, t("overview.imu_note", { n: s.imu.epochs, gaps: s.imu.gaps })));
+  if (s.duration_s) append(cards, card(t("run.duration"), `${number(s.duration_s)} s`, [s.scheme, s.scheme === "gnss" ? null : s.mechanization].filter(Boolean).join(", ")));
+  if (s.imu && s.imu.epochs > 0) append(cards, card(t("overview.imu_card"), `${number(s.imu.rate_hz)} Hz`, t("overview.imu_note", { n: s.imu.epochs, gaps: s.imu.gaps })));
   if (s.gnss) append(cards, card(t("overview.gnss_card"), String(s.gnss.epochs), t("overview.gnss_note", { accepted: s.gnss.accepted, rejected: s.gnss.rejected })));
+  if (s.carrier) append(cards, card(t("carrier.card"), t("carrier.fixed", { n: s.carrier.fixed }), t("carrier.note", { float: s.carrier.float, single: s.carrier.single })));
   const inside = s.outages?.filter((o) => o.inside_3sigma !== null) ?? [];
   if (inside.length > 0)
     append(

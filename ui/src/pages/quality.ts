@@ -4,6 +4,7 @@ import { h } from "../dom";
 import { maybe, number, t } from "../i18n";
 import { Linked } from "../plots/linked";
 import { PlanView, type Track2d } from "../plots/plan";
+import { tileZooms } from "../plots/tiles";
 import { TimePlot, linkCursors } from "../plots/timeplot";
 import { attitudePlots } from "./attitude";
 import { eventList, happenings, marksOf } from "./events";
@@ -72,6 +73,15 @@ function growthPlot(run: RunDetails): TimePlot | null {
   );
 }
 
+/** The first position of a run, from which its local columns are counted. */
+export async function planeOf(run: string): Promise<{ lat: number; lon: number } | null> {
+  if ((await tileZooms()).length === 0) return null;
+  const [lat, lon] = ["/solution/position:lat", "/solution/position:lon"];
+  const s = await api.series(run, [lat!, lon!], { points: 2 });
+  const [a, b] = [s.columns[lat!]?.[0], s.columns[lon!]?.[0]];
+  return typeof a === "number" && typeof b === "number" ? { lat: a, lon: b } : null;
+}
+
 async function map(run: RunDetails, groups: Group[], linked: Linked): Promise<PlanView | null> {
   const has = (g: string) => groups.some((x) => x.group === g);
   if (!has("/solution")) return null;
@@ -102,6 +112,7 @@ async function map(run: RunDetails, groups: Group[], linked: Linked): Promise<Pl
     }
   }
   plan.show(tracks);
+  void planeOf(run.id).then((plane) => plane && plan.lie(plane));
   return plan;
 }
 
@@ -126,6 +137,30 @@ function sigmaPlots(run: string, groups: Group[], linked: Linked): TimePlot[] {
       ),
     ];
   });
+}
+
+/** Carrier phase against a base: how sure the ambiguities are, and what they rest on. */
+function carrierPlots(run: string, groups: Group[], linked: Linked): TimePlot[] {
+  if (!groups.some((g) => g.group === "/carrier")) return [];
+  const id = (name: string) => `/carrier/table:${name}`;
+  const plot = (title: string, u: string, names: [string, string][], more: { logY?: boolean; include?: number[] }) =>
+    new TimePlot(
+      {
+        title,
+        unit: u,
+        height: 165,
+        ...more,
+        optional: true,
+        lines: names.map(([, label], ink) => ({ label, ink })),
+        load: loader(run, names.map(([name]) => id(name)), (all) => all.map((v) => v.map((x) => (more.logY && x !== null && x <= 0 ? null : x)))),
+      },
+      linked,
+    );
+  return [
+    plot(t("carrier.ratio"), "1", [["ratio", t("carrier.ratio")]], { logY: true }),
+    plot(t("carrier.counts"), "1", [["satellites", t("carrier.satellites")], ["ambiguities", t("carrier.ambiguities")], ["fixed", t("carrier.fixed_ambiguities")]], { include: [0] }),
+    plot(t("carrier.baseline"), "m", [["north_m", t("north")], ["east_m", t("east")], ["up_m", t("up")]], {}),
+  ];
 }
 
 /** Forward minus backward inside three sigma. */
@@ -183,6 +218,7 @@ export async function qualityView(run: RunDetails, groups: Group[], linked: Link
     ...outagePlots(run.id, groups, linked),
     ...separationPlots(run.id, groups, linked),
     ...sigmaPlots(run.id, groups, linked),
+    ...carrierPlots(run.id, groups, linked),
     ...attitudePlots(run.id, groups, linked),
   ];
   linkCursors(plots, linked);

@@ -1,6 +1,6 @@
 // One run: live while it works, then its views.
 import { api, watchRuns, type Group, type RunDetails, type RunEvent } from "../api";
-import { h, replace, saveAs, tell } from "../dom";
+import { h, icon, replace, saveAs, tell } from "../dom";
 import { number, t } from "../i18n";
 import type { Page } from "../page";
 import { Linked } from "../plots/linked";
@@ -100,7 +100,7 @@ const tabs = [
 ] as const;
 
 /** A comparison of couplings, or a study: numbers of its own, no trajectory. */
-function isDocument(run: RunDetails): boolean {
+export function isDocument(run: RunDetails): boolean {
   return run.summary !== null && (run.kind === "study" || run.summary.schemes !== undefined);
 }
 
@@ -138,8 +138,8 @@ function shown(tab: (typeof tabs)[number], run: RunDetails, groups: Group[]): bo
 
 async function finished(run: RunDetails, first: string): Promise<Page> {
   const drawn = ["run.h5", "gravity.csv", "epochs.csv", "solution.csv"].some((f) => run.files.includes(f));
-  const groups = drawn ? await api.channels(run.id) : [];
-  const others = (await api.runs()).filter((r) => r.id !== run.id && r.state === "done");
+  const [groups, all] = await Promise.all([drawn ? api.channels(run.id) : [], api.runs()]);
+  const others = all.filter((r) => r.id !== run.id && r.state === "done");
   const stops = groups.map((g) => g.stop_s).filter((x): x is number => x !== null);
   const linked = new Linked(0, Math.max(1e-3, ...stops));
   linked.spans = (run.summary?.outages ?? []).map((o) => ({
@@ -245,7 +245,10 @@ async function finished(run: RunDetails, first: string): Promise<Page> {
     }
   };
   const title = h("h1", null, run.title);
-  const tool = (sign: string, name: string, action: () => void) =>
+  const note = h("p", { class: "run-note" });
+  const write = () => ((note.textContent = run.note), (note.hidden = run.note === ""));
+  write();
+  const tool = (sign: string | Node, name: string, action: () => void) =>
     h("button", { type: "button", class: "icon", title: name, "aria-label": `${name}: ${run.title}`, onClick: action }, sign);
   const list = h("div", { class: "tabs", role: "tablist", "aria-label": run.title }, ...buttons);
   list.addEventListener("keydown", (e) => {
@@ -274,6 +277,7 @@ async function finished(run: RunDetails, first: string): Promise<Page> {
       title,
       stateBadge(run),
       h("span", { class: "grow" }),
+      run.batch && h("a", { class: "button", href: `#/batch/${encodeURIComponent(run.batch)}` }, `${t("batch.title")}: ${run.batch}`),
       others.length > 0 && compare,
       run.files.includes("scenario.toml") &&
         h("a", { class: "button", href: `#/scenario?run=${encodeURIComponent(run.id)}` }, t("run.again")),
@@ -284,10 +288,15 @@ async function finished(run: RunDetails, first: string): Promise<Page> {
         const name = prompt(t("rename"), run.title);
         if (name) void api.rename(run.id, name).then(() => ((run.title = name), (title.textContent = name)));
       }),
+      tool(icon("note"), t("note.edit"), () => {
+        const text = prompt(t("note.edit"), run.note);
+        if (text !== null) void api.annotate(run.id, text).then(() => ((run.note = text), write()), (e: Error) => tell(e.message, "error"));
+      }),
       tool("✕", t("remove"), () => {
         if (confirm(t("remove.sure", { name: run.title }))) void api.remove(run.id).then(() => (location.hash = "#/"));
       }),
     ),
+    note,
     run.state === "failed" && h("p", { class: "bad", role: "alert" }, `${t("run.failed")}: ${run.message}`),
     list,
     place,

@@ -1,7 +1,7 @@
 // Start: logs to drop, examples to pick, runs to open or compare.
 import { api, upload, watchRuns, type DatasetInfo, type Run } from "../api";
-import { h, replace, tell } from "../dom";
-import { number, t } from "../i18n";
+import { h, icon, replace, tell } from "../dom";
+import { language, maybe, number, t } from "../i18n";
 import type { Page } from "../page";
 
 /** Files of a drop, those of folders too. */
@@ -34,23 +34,39 @@ async function dropped(items: DataTransferItemList): Promise<{ files: Sent[]; na
   return { files, name: name || files[0]?.file.name.replace(/\.[^.]*$/, "") || "data" };
 }
 
-async function send(files: Sent[], title: string, status: HTMLElement): Promise<void> {
+/** Each folder in the folder as a data set of its own; files beside them are of none. */
+function byFolder(files: Sent[]): Map<string, Sent[]> {
+  const out = new Map<string, Sent[]>();
+  for (const { file, path } of files) {
+    const [name = "", ...rest] = path.split("/");
+    if (rest.length > 0) out.set(name, [...(out.get(name) ?? []), { file, path: rest.join("/") }]);
+  }
+  return out;
+}
+
+async function send(files: Sent[], title: string, status: HTMLElement, several = false): Promise<void> {
   const wanted = files.filter((f) => !f.path.split("/").some((part) => part.startsWith(".")));
   if (wanted.length === 0) return tell(t("start.nothing"), "error");
   const bar = h("progress", { max: 1, value: 0 });
   const text = h("span");
   replace(status, bar, text);
+  const sets = several ? byFolder(wanted) : new Map([[title, wanted]]);
+  if (sets.size === 0) return tell(t("start.no_folders"), "error");
   let name = "";
+  const names: string[] = [];
   try {
-    ({ name } = await api.newDataset(title));
-    const whole = wanted.reduce((sum, f) => sum + f.file.size, 0) || 1;
+    const whole = [...sets.values()].flat().reduce((sum, f) => sum + f.file.size, 0) || 1;
     let before = 0;
-    for (const { file, path } of wanted) {
-      text.textContent = path;
-      await upload(name, file, path, (part) => (bar.value = (before + part * file.size) / whole));
-      before += file.size;
+    for (const [each, content] of sets) {
+      ({ name } = await api.newDataset(each));
+      for (const { file, path } of content) {
+        text.textContent = several ? `${each}/${path}` : path;
+        await upload(name, file, path, (part) => (bar.value = (before + part * file.size) / whole));
+        before += file.size;
+      }
+      names.push(name);
     }
-    location.hash = `#/data/${encodeURIComponent(name)}`;
+    location.hash = several ? `#/batch?sets=${names.map(encodeURIComponent).join(",")}&title=${encodeURIComponent(title)}` : `#/data/${encodeURIComponent(name)}`;
   } catch (e) {
     // half a data set is none
     if (name) void api.removeDataset(name).catch(() => undefined);
@@ -60,14 +76,14 @@ async function send(files: Sent[], title: string, status: HTMLElement): Promise<
 
 function dropZone(): HTMLElement {
   const status = h("div", { class: "drop-status" });
-  const choose = (folder: boolean) => {
+  const choose = (folder: boolean, several = false) => {
     const input = h("input", { type: "file", multiple: true });
     if (folder) input.setAttribute("webkitdirectory", "");
     input.onchange = () => {
       const files = [...(input.files ?? [])];
       const path = files[0]?.webkitRelativePath.split("/")[0];
       const sent = files.map((file) => ({ file, path: file.webkitRelativePath.split("/").slice(1).join("/") || file.name }));
-      void send(sent, path || files[0]?.name.replace(/\.[^.]*$/, "") || "data", status);
+      void send(sent, path || files[0]?.name.replace(/\.[^.]*$/, "") || "data", status, several);
     };
     input.click();
   };
@@ -82,6 +98,8 @@ function dropZone(): HTMLElement {
       h("button", { type: "button", onClick: () => choose(false) }, t("start.files")),
       " ",
       h("button", { type: "button", onClick: () => choose(true) }, t("start.folder")),
+      " ",
+      h("button", { type: "button", onClick: () => choose(true, true) }, t("start.folders")),
     ),
     status,
   );
@@ -95,7 +113,7 @@ function dropZone(): HTMLElement {
   return zone;
 }
 
-const iconButton = (sign: string, name: string, action: () => void) =>
+const iconButton = (sign: string | Node, name: string, action: () => void) =>
   h("button", { type: "button", class: "icon", title: name, "aria-label": name, onClick: action }, sign);
 
 const removeButton = (title: string, remove: () => Promise<void>) =>
@@ -135,6 +153,18 @@ function runTable(runs: Run[], again: () => void): HTMLElement {
     },
     t("start.compare"),
   );
+  const removal = h(
+    "button",
+    {
+      type: "button",
+      disabled: true,
+      onClick: () => {
+        if (confirm(t("start.remove_sure", { n: chosen.size }))) void Promise.allSettled([...chosen].map((id) => api.remove(id))).then(again);
+      },
+    },
+    t("start.remove"),
+  );
+  const done = new Set(runs.filter((r) => r.state === "done").map((r) => r.id));
   const rows = runs.map((run) => {
     const title = h("a", { href: `#/run/${encodeURIComponent(run.id)}` }, run.title);
     return h(
@@ -146,20 +176,28 @@ function runTable(runs: Run[], again: () => void): HTMLElement {
         h("input", {
           type: "checkbox",
           "aria-label": `${t("start.choose")} ${run.title}`,
-          disabled: run.state !== "done",
+          disabled: run.state === "running" || run.state === "waiting",
           onChange: (e: Event) => {
             if ((e.target as HTMLInputElement).checked) chosen.add(run.id);
             else chosen.delete(run.id);
-            compare.disabled = chosen.size < 2;
+            compare.disabled = chosen.size < 2 || [...chosen].some((id) => !done.has(id));
+            removal.disabled = chosen.size === 0;
           },
         }),
       ),
-      h("td", null, title),
+      h(
+        "td",
+        { class: "run-title" },
+        title,
+        run.batch && h("a", { class: "batch-link", href: `#/batch/${encodeURIComponent(run.batch)}`, title: t("batch.title") }, run.batch),
+        run.note && h("span", { class: "muted run-note" }, run.note),
+      ),
       h("td", { class: "state" }, stateBadge(run)),
+      h("td", { class: "verdict-cell" }, run.verdict ? maybe(`verdict.${run.verdict}`, run.verdict) : "–"),
       h("td", null, run.scheme ?? "–"),
       h("td", { class: "figure" }, number(run.duration_s)),
       h("td", { class: "figure" }, number(run.error_m, 3)),
-      h("td", null, new Date(run.created * 1000).toLocaleString()),
+      h("td", null, new Date(run.created * 1000).toLocaleString(language)),
       h(
         "td",
         { class: "tools" },
@@ -169,6 +207,10 @@ function runTable(runs: Run[], again: () => void): HTMLElement {
           const name = prompt(t("rename"), run.title);
           if (name) void api.rename(run.id, name).then(again);
         }),
+        iconButton(icon("note"), `${t("note.edit")} ${run.title}`, () => {
+          const note = prompt(t("note.edit"), run.note);
+          if (note !== null) void api.annotate(run.id, note).then(again, (e: Error) => tell(e.message, "error"));
+        }),
         removeButton(run.title, () => api.remove(run.id).then(again)),
       ),
     );
@@ -177,6 +219,7 @@ function runTable(runs: Run[], again: () => void): HTMLElement {
     "",
     t("run.title"),
     t("run.state"),
+    t("quality.verdict"),
     t("run.scheme"),
     `${t("run.duration")}, s`,
     `${t("run.error")}, m`,
@@ -192,7 +235,7 @@ function runTable(runs: Run[], again: () => void): HTMLElement {
     onInput: () => {
       if (all.isConnected) all.click();
       const word = search.value.toLowerCase();
-      rows.forEach((row, i) => (row.hidden = !`${runs[i]!.title} ${runs[i]!.scheme ?? ""} ${runs[i]!.dataset ?? ""}`.toLowerCase().includes(word)));
+      rows.forEach((row, i) => (row.hidden = !`${runs[i]!.title} ${runs[i]!.scheme ?? ""} ${runs[i]!.dataset ?? ""} ${runs[i]!.batch ?? ""} ${runs[i]!.note}`.toLowerCase().includes(word)));
     },
   });
   return h(
@@ -214,7 +257,7 @@ function runTable(runs: Run[], again: () => void): HTMLElement {
             ...head.map((x, i) =>
               h(
                 "th",
-                { scope: "col", class: i === 4 || i === 5 ? "figure" : "" },
+                { scope: "col", class: i === 5 || i === 6 ? "figure" : "" },
                 x || h("span", { class: "hidden" }, t("start.choose")),
               ),
             ),
@@ -224,7 +267,7 @@ function runTable(runs: Run[], again: () => void): HTMLElement {
       ),
     ),
     rows.length > most && all,
-    h("p", null, compare, h("span", { class: "muted" }, ` ${t("start.compare_hint")}`)),
+    h("p", { class: "form-tools" }, compare, removal, h("span", { class: "muted" }, ` ${t("start.compare_hint")}`)),
   );
 }
 
@@ -238,6 +281,7 @@ export async function startPage(): Promise<Page> {
       sets,
       all.length > 0 && h("h3", null, t("start.datasets")),
       datasetList(all, () => void refreshSets()),
+      all.length > 1 && h("p", null, h("a", { class: "button", href: "#/batch" }, t("start.batch"))),
     );
   };
   const refreshRuns = async () =>

@@ -31,6 +31,62 @@ export async function studiesPage(query: URLSearchParams, name: string): Promise
   return { title: t("study.title"), element };
 }
 
+/** The items of the chosen paper; a click puts one into the form. */
+function paperItems(options: OptionForm, place: HTMLElement): () => void {
+  let papers: Awaited<ReturnType<typeof api.papers>> = [];
+  let drawn = "";
+  const draw = () => {
+    const letter = String(options.settings["paper"] ?? "A");
+    const chosen = String(options.settings["item"] ?? "");
+    if (papers.length === 0 || drawn === `${letter} ${chosen}`) return;
+    drawn = `${letter} ${chosen}`;
+    const choice = h(
+      "select",
+      { "aria-label": t("study.of_paper"), onChange: () => (options.put("item", undefined, false), options.put("paper", choice.value)) },
+      ...papers.map((p) => h("option", { value: p.paper }, `${t("study.of_paper")} ${p.paper}`)),
+    );
+    choice.value = letter;
+    const take = (item: string) => (options.put("paper", letter, false), options.put("item", item));
+    replace(
+      place,
+      h("p", { class: "form-tools" }, choice),
+      h(
+        "div",
+        { class: "scroll paper-items", tabIndex: 0 },
+        h(
+          "table",
+          null,
+          h("thead", null, h("tr", null, ...["item", "page", "numbers", "takes", "what"].map((k) => h("th", { scope: "col" }, t(`study.item.${k}`))))),
+          h(
+            "tbody",
+            null,
+            ...(papers.find((p) => p.paper === letter)?.items ?? []).map((i) =>
+              h(
+                "tr",
+                { class: i.item === chosen ? "doubtful" : "" },
+                h("th", { scope: "row" }, h("button", { type: "button", class: "link", "aria-pressed": String(i.item === chosen), onClick: () => take(i.item) }, i.item)),
+                h("td", null, i.page),
+                h("td", { class: "figure" }, String(i.printed_numbers)),
+                h("td", null, i.runs > 0 ? t("study.item.runs", { n: i.runs, s: Math.ceil(i.seconds) }) : `${Math.ceil(i.seconds)} s`),
+                h("td", null, i.what),
+              ),
+            ),
+          ),
+        ),
+      ),
+    );
+  };
+  void api.papers().then(
+    (all) => {
+      papers = all;
+      if (!("paper" in options.settings)) options.put("paper", all[0]?.paper ?? "A", false);
+      draw();
+    },
+    (e: Error) => replace(place, h("p", { class: "bad", role: "alert" }, e.message)),
+  );
+  return draw;
+}
+
 function form(study: CommandForm, examples: { name: string; toml: string }[], sets: string[], given: string | null): HTMLElement {
   const start = runButton(
     t("study.run"),
@@ -38,7 +94,9 @@ function form(study: CommandForm, examples: { name: string; toml: string }[], se
     undefined,
     (order) => api.startStudy(order),
   );
-  const options = new OptionForm(study.options, () => undefined, () => false, ["general"]);
+  const options = new OptionForm(study.options, () => items?.(), () => false, ["general"]);
+  const list = h("div");
+  const items = study.command === "paper" ? paperItems(options, list) : null;
   options.judged = (wrong) => {
     start.disabled = wrong > 0;
     start.title = wrong > 0 ? t("form.mend_first") : "";
@@ -71,6 +129,7 @@ function form(study: CommandForm, examples: { name: string; toml: string }[], se
     h("p", { class: "muted" }, study.purpose),
     h("div", { class: "bar" }, title, needs && h("label", null, t("study.input"), " ", input), start),
     needs && h("p", { class: "muted" }, study.input ?? ""),
+    list,
     options.element,
     h("details", null, h("summary", null, t("study.examples")), h("pre", { class: "toml", tabIndex: 0 }, study.examples)),
   );

@@ -143,8 +143,20 @@ export class TaskChoice {
     if (this.task !== "ppk" && this.task !== "gnss") return changed;
     // a receiver's log alone is found by its settings: all of them are given
     const out: Settings = { ...whole, "filter.scheme": "gnss" };
+    const { files } = this.found;
+    const first = (pattern: RegExp) => files.filter((f) => pattern.test(f.kind)).sort((a, b) => b.rows - a.rows)[0]?.path;
+    if (this.task === "gnss" && !("gnss.file" in out) && !("gnss.observations" in out)) {
+      // without an IMU nothing was proposed: the longest log of the receiver, fixes before ranges
+      const fixes = first(/gnss|pos$|nmea|gps|solution/);
+      const ranges = first(/rinex_obs|ubx|rtcm/);
+      const navigation = files.filter((f) => f.kind === "rinex_nav").map((f) => f.path);
+      if (fixes) out["gnss.file"] = fixes;
+      else if (ranges) {
+        out["gnss.observations"] = ranges;
+        if (navigation.length > 0) out["gnss.navigation"] = navigation;
+      }
+    }
     if (this.task === "ppk") {
-      const { files } = this.found;
       delete out["gnss.file"];
       out["gnss.observations"] = this.rover;
       out["base.observations"] = this.base;

@@ -5,6 +5,7 @@ import { t } from "../i18n";
 import { HorizonView } from "../plots/horizon";
 import { Linked } from "../plots/linked";
 import { PlanView } from "../plots/plan";
+import { planeOf } from "./quality";
 import type { Track3d } from "../plots/space";
 
 export interface View {
@@ -34,6 +35,7 @@ export async function trackView(run: string, groups: Group[], linked: Linked): P
   if (groups.some((g) => g.group === "/gnss"))
     tracks.push({ label: t("track.gnss"), ink: 1, dots: true, ...(await local("/gnss")) } as never);
   plan.show(tracks);
+  void planeOf(run).then((plane) => plane && plan.lie(plane));
   const { SpaceView, nearest } = await import("../plots/space");
   const space = new SpaceView(track, linked);
   const horizon = new HorizonView((time) => {

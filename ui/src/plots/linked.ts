@@ -23,8 +23,8 @@ export class Linked {
   private readonly cursorListeners = new Set<() => void>();
 
   constructor(
-    readonly start: number,
-    readonly stop: number,
+    public start: number,
+    public stop: number,
   ) {
     this.from = start;
     this.to = stop;
@@ -43,6 +43,17 @@ export class Linked {
     if (left === this.from && left + span === this.to) return;
     this.from = left;
     this.to = left + span;
+    for (const each of this.rangeListeners) each();
+  }
+
+  /** There is more now, or what was first is gone; a range that showed everything goes on doing so. */
+  extend(start: number, stop: number): void {
+    const everything = !this.zoomed;
+    this.start = start;
+    this.stop = stop;
+    if (!everything) return this.set(this.from, this.to);
+    this.from = start;
+    this.to = stop;
     for (const each of this.rangeListeners) each();
   }
 

@@ -3,6 +3,7 @@ import { copyText, css, h, icon, saveAs } from "../dom";
 import { t } from "../i18n";
 import { colour } from "./colours";
 import { Linked, type Mark } from "./linked";
+import { TileLayer, tileZooms, type Plane } from "./tiles";
 
 export interface Track2d {
   label: string;
@@ -24,6 +25,8 @@ export class PlanView {
   private centre = { east: 0, north: 0 };
   private scale = 1;
   private fitted = false;
+  /** A map under the tracks, where there are tiles of one. */
+  tiles: TileLayer | null = null;
   private readonly paint = Linked.perFrame(() => this.draw());
 
   constructor(
@@ -59,6 +62,7 @@ export class PlanView {
       ),
       this.canvas,
     );
+    (this.element as unknown as { plan: PlanView }).plan = this;
     new ResizeObserver(() => this.paint()).observe(this.canvas);
     this.canvas.addEventListener("pointerdown", (e) => this.drag(e));
     this.canvas.addEventListener("pointermove", (e) => this.hover(e));
@@ -100,6 +104,14 @@ export class PlanView {
       ),
     );
     if (refit || !this.fitted) this.fitted = false;
+    this.paint();
+  }
+
+  /** Where on the Earth the plane lies: from then on a map is drawn, if there is one. */
+  async lie(plane: Plane): Promise<void> {
+    const zooms = await tileZooms();
+    if (zooms.length === 0 || !Number.isFinite(plane.lat) || !Number.isFinite(plane.lon)) return;
+    this.tiles = new TileLayer(zooms, plane, this.paint);
     this.paint();
   }
 
@@ -197,7 +209,8 @@ export class PlanView {
     if (!this.fitted) {
       const [a, b, c, d] = this.bounds();
       this.centre = { east: (a + b) / 2, north: (c + d) / 2 };
-      this.scale = 0.88 * Math.min(width / Math.max(b - a, 1), height / Math.max(d - c, 1));
+      // a station at rest: centimetres of carrier phase are to be seen
+      this.scale = 0.88 * Math.min(width / Math.max(b - a, 0.05), height / Math.max(d - c, 0.05));
       this.fitted = true;
     }
     const ratio = devicePixelRatio;
@@ -209,6 +222,8 @@ export class PlanView {
     g.setTransform(ratio, 0, 0, ratio, 0, 0);
     g.fillStyle = css("--surface");
     g.fillRect(0, 0, width, height);
+    const [halfEast, halfNorth] = [width / 2 / this.scale, height / 2 / this.scale];
+    this.tiles?.draw(g, this.scale, (e, n) => this.place(e, n), [this.centre.east - halfEast, this.centre.east + halfEast, this.centre.north - halfNorth, this.centre.north + halfNorth]);
     this.grid(g, width, height);
     // the first one on top
     for (const track of [...this.tracks].reverse()) if (!this.hidden.has(track.label)) this.line(g, track);
@@ -254,7 +269,7 @@ export class PlanView {
       const [, y] = this.place(0, n);
       if (y < 0) break;
       g.beginPath(), g.moveTo(0, y), g.lineTo(width, y), g.stroke();
-      g.fillText(tidy(n), 4, y - 3);
+      if (y > 30) g.fillText(tidy(n), 4, y - 3);   // the unit stands above
     }
     g.fillText(`${t("plan.axes")}, ${name}`, 4, 14);
     // scale bar and north
@@ -275,6 +290,7 @@ export class PlanView {
   private line(g: CanvasRenderingContext2D, track: Track2d): void {
     g.strokeStyle = g.fillStyle = colour(track.label, track.ink);
     g.lineWidth = 2;
+    g.lineJoin = "round";   // mitred corners of a track that turns back on itself, as at rest, would stand out as spikes
     g.globalAlpha = 1;
     if (track.dots) {
       track.east.forEach((e, i) => {
@@ -348,7 +364,7 @@ export class PlanView {
           .map((e, i) => this.place(e ?? NaN, track.north[i] ?? NaN))
           .filter(([x]) => x === x)
           .map(([x, y]) => `${x.toFixed(1)},${y.toFixed(1)}`);
-        return `<polyline fill="none" stroke="${colour(track.label, track.ink)}" stroke-width="2" points="${points.join(" ")}"/>`;
+        return `<polyline fill="none" stroke="${colour(track.label, track.ink)}" stroke-width="2" stroke-linejoin="round" points="${points.join(" ")}"/>`;
       });
     const metres = this.step(110),
       length = metres * this.scale;

@@ -22,6 +22,13 @@ const sizes = new ResizeObserver((entries) => {
   for (const e of entries) (e.target as unknown as { plot?: TimePlot }).plot?.resized();
 });
 
+const near = 16;
+
+/** Whether the lines that the cursor is not near fade: only under the mouse, not where another plot or the time moves the cursor. */
+function fading(u: uPlot, on: boolean): void {
+  (u as unknown as { focus: { prox: number } }).focus.prox = on ? near : -1;
+}
+
 let number = 0;
 
 export class TimePlot {
@@ -224,7 +231,7 @@ export class TimePlot {
       axes: axesOf(s),
       ...seriesOf(s, this.hidden),
       padding: [8, 12, 0, 0],
-      cursor: { drag: { x: true, y: true, uni: 40, setScale: false }, focus: { prox: 16 }, points: { size: 7 } },
+      cursor: { drag: { x: true, y: true, uni: 40, setScale: false }, focus: { prox: near }, points: { size: 7 } },
       focus: { alpha: 0.45 },
       legend: { live: true },
       hooks: {
@@ -265,12 +272,14 @@ export class TimePlot {
     const u = this.chart;
     if (!u || this.pointing || !this.inSight) return;
     const time = this.linked.cursor;
+    fading(u, false);
     const left = time === null || time < this.linked.from || time > this.linked.to ? -10 : u.valToPos(time, "x");
     u.setCursor({ left, top: left < 0 ? -10 : 5 }, false);
   }
 
   hover(on: boolean): void {
     this.pointing = on;
+    if (this.chart) fading(this.chart, on);
     if (!on) this.linked.point(null);
   }
 

@@ -1,0 +1,387 @@
+// Steps of page_test.mjs that need no run of the others: several data sets together, notes, removal, comparisons of couplings and of
+// attitude, carrier phase, a server that ends and is started anew.
+import { execFileSync, spawn } from "node:child_process";
+import { createServer } from "node:net";
+import { cpSync, existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { dirname, join } from "node:path";
+import { fileURLToPath } from "node:url";
+import { deflateSync } from "node:zlib";
+import { serve } from "./browse.mjs";
+
+const drive = (seed) => `name = "drive"
+duration_s = 240
+seed = ${seed}
+[trajectory]
+type = "car"
+start = { lat_deg = 50.0, lon_deg = 8.0, height_m = 100.0 }
+speed_m_s = 12
+[imu]
+rate_hz = 100
+grade = "tactical"
+[gnss]
+rate_hz = 2
+receiver = "rtk"
+`;
+
+const ended = async ({ ask, page }, ids) => {
+  const runs = [];
+  for (const id of ids)
+    for (;;) {
+      const run = await ask(`api/runs/${id}`);
+      if (run.state !== "waiting" && run.state !== "running") {
+        runs.push(run);
+        break;
+      }
+      await page.waitForTimeout(200);
+    }
+  return runs;
+};
+
+/** The widest words of the frame, on a phone. */
+async function frame(t) {
+  const { page, address, check } = t;
+  await page.setViewportSize({ width: 390, height: 844 });
+  for (const language of ["uk", "ru", "en"]) {
+    for (const path of ["", "#/batch", "#/live"]) {
+      await page.goto(address + path);
+      await page.getByRole("combobox").first().waitFor();
+      await page.locator("header select").selectOption(language);
+      await page.waitForTimeout(400);
+      const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+      check(wide <= 1, `${language} ${path}: ${wide} px wider than a phone`);
+    }
+  }
+  await page.setViewportSize({ width: 1280, height: 900 });
+}
+
+/** Two drives and a folder that is none: one profile, one table with the failed one first, all of it removed together. */
+async function batch(t) {
+  const { page, address, ask, check, soon, accessible, shot, folder, options } = t;
+  const data = join(folder, "work", "data");
+  for (const [name, seed] of [["drive-a", 1], ["drive-b", 2]]) {
+    writeFileSync(join(folder, `${name}.toml`), drive(seed));
+    execFileSync(options.program, ["simulate", join(folder, `${name}.toml`), "-o", join(data, name)], { stdio: "ignore" });
+  }
+  mkdirSync(join(data, "empty"), { recursive: true });
+  writeFileSync(join(data, "empty", "notes.txt"), "nothing\n");
+  await page.goto(address);
+  await page.getByRole("link", { name: "Process several together" }).click();
+  const start = page.locator("button.primary.run");
+  await start.waitFor();
+  check((await page.locator(".batch-sets input:checked").count()) === 3, "all data sets are chosen");
+  await page.getByRole("button", { name: "None", exact: true }).click();
+  check(await start.isDisabled(), "nothing is started of no data set");
+  await page.getByRole("button", { name: "All", exact: true }).click();
+  check((await page.locator('.form [data-key="imu.file"]').count()) === 0, "a profile names no files");
+  await page.getByPlaceholder("Find an option").last().fill("filter.scheme");
+  await page.locator("#option-filter-scheme").selectOption("separate");
+  await page.getByLabel("Name of the batch").fill("Two drives");
+  await accessible("batch");
+  await page.reload();
+  await start.waitFor();
+  check((await page.locator("#option-filter-scheme").inputValue()) === "separate", "a reload keeps the profile");
+  await start.click();
+  await page.waitForURL(/#\/batch\/Two%20drives$/);
+  const mine = async () => (await ask("api/runs")).filter((r) => r.batch === "Two drives");
+  const runs = await ended(t, (await mine()).map((r) => r.id));
+  check(runs.length === 3, `a run of each: ${runs.map((r) => r.title)}`);
+  const rows = page.locator(".batch-table tbody tr");
+  check(await soon(async () => (await page.locator(".batch-table .badge.done").count()) === 2), "two are done");
+  check(/^empty/.test(await rows.first().innerText()), `the failed one stands first: ${await rows.allInnerTexts()}`);
+  const failed = runs.find((r) => r.dataset === "empty");
+  check(failed.state === "failed" && (await rows.first().innerText()).includes(failed.message.slice(0, 30)), `with its reason: ${failed.message}`);
+  for (const run of runs.filter((r) => r.state === "done")) {
+    check(run.summary.scheme === "separate", `the profile holds for ${run.title}: ${run.summary.scheme}`);
+    const { rms } = run.summary.errors.position_m.horizontal;
+    const row = await rows.filter({ hasText: run.dataset }).innerText();
+    check(row.includes(String(Number(rms.toPrecision(3)))), `the table has ${rms} of ${run.title}: ${row}`);
+  }
+  await accessible("table of a batch");
+  await shot("ui-batch");
+  // a note is kept with the run
+  await rows.last().getByRole("link").click();
+  await page.locator('[role="tablist"]').waitFor();
+  page.once("dialog", (d) => void d.accept("wet road"));
+  await page.getByRole("button", { name: /^Note/ }).click();
+  check(await soon(async () => (await page.locator("p.run-note").innerText()) === "wet road"), "a note stands with the run");
+  await page.goto(`${address}#/batch/${encodeURIComponent("Two drives")}`);
+  await page.locator(".batch-table", { hasText: "wet road" }).waitFor();
+  await page.goto(address);
+  await page.locator("table.runs .run-note", { hasText: "wet road" }).waitFor();
+  const tools = await page.locator("table.runs tbody tr").first().locator("td.tools").boundingBox();
+  const card = await page.locator(".start .card").nth(1).boundingBox();
+  check(tools.x + tools.width <= card.x + card.width, `the tools of a run are in sight: ${JSON.stringify(tools)}`);
+  // one removed by its mark in the list, the others with the batch
+  await page.locator(`tr[data-run="${failed.id}"] input[type="checkbox"]`).check();
+  check(await page.getByRole("button", { name: "Compare", exact: true }).isDisabled(), "a failed run is not compared");
+  page.once("dialog", (d) => void d.accept());
+  await page.getByRole("button", { name: "Remove", exact: true }).click();
+  check(await soon(async () => (await mine()).length === 2), "a marked run is removed");
+  await page.goto(`${address}#/batch/${encodeURIComponent("Two drives")}`);
+  page.once("dialog", (d) => void d.accept());
+  await page.getByRole("button", { name: "Remove the batch" }).click();
+  check(await soon(async () => (await mine()).length === 0), "the batch is removed");
+}
+
+/** Comparisons of couplings side by side: a table a quantity; of attitude: no empty plot, angles do not cross the plot. */
+async function comparisons(t) {
+  const { page, address, ask, check, soon, tabs } = t;
+  const toml = (await ask("api/examples")).find((e) => e.name === "schemes").toml.replace(/duration_s = .*/, "duration_s = 200").replace(/\[\[outage\]\][^[]*/g, "");
+  const order = (title) => ask("api/runs", "POST", { kind: "scenario", title, toml });
+  const ids = (await Promise.all([order("Couplings A"), order("Couplings B")])).map((r) => r.id);
+  const [run] = await ended(t, ids);
+  check(run.state === "done", `the couplings: ${run.message}`);
+  await tabs("couplings", ids[0]);
+  await page.goto(`${address}#/compare/${ids.join("/")}`);
+  const table = page.locator(".coupling-tables .table-block").first();
+  await table.waitFor();
+  const loose = run.summary.schemes.find((s) => s.scheme === "loose");
+  const row = await table.locator("tbody tr", { has: page.getByRole("rowheader", { name: "loose", exact: true }) }).innerText();
+  check(/^horizontal/.test(await table.innerText()) && row.includes(String(Number(loose.horizontal_m.toPrecision(4)))), `couplings are compared by quantity: ${row}`);
+
+  const data = join(t.folder, "work", "data", "turning");
+  mkdirSync(data, { recursive: true });
+  const rows = ["time_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2"];
+  for (let i = 0; i < 6000; ++i) rows.push([i / 100, 0.001, 0.001, i < 500 ? 0 : 0.5, 0.02, 0.01, -9.81].join(","));
+  writeFileSync(join(data, "imu.csv"), rows.join("\n"));
+  const turn = (title) => ask("api/runs", "POST", { kind: "dataset", dataset: "turning", command: "ahrs", title, settings: {} });
+  const turns = (await Promise.all([turn("Turn A"), turn("Turn B")])).map((r) => r.id);
+  for (const r of await ended(t, turns)) check(r.state === "done", `attitude: ${r.message}`);
+  await page.goto(`${address}#/compare/${turns.join("/")}`);
+  const plots = page.locator("figure.plot");
+  await plots.first().waitFor();
+  const titles = await page.locator(".plot-title").allInnerTexts();
+  check(titles.slice(0, 3).join() === "roll,pitch,heading", `attitudes are overlaid under their names: ${titles}`);
+  for (let i = 0; i < (await plots.count()); ++i) await plots.nth(i).scrollIntoViewIfNeeded(), await page.waitForTimeout(150);
+  const drawn = () =>
+    page.evaluate(() =>
+      [...document.querySelectorAll("figure.plot")].map((f) => {
+        const ys = f.plot.data.y;
+        const jump = Math.max(0, ...ys.flatMap((y) => y.map((v, i) => (i > 0 && v !== null && y[i - 1] !== null ? Math.abs(v - y[i - 1]) : 0))));
+        return { title: f.querySelector(".plot-title").textContent, points: ys.flat().filter((v) => v !== null).length, jump };
+      }),
+    );
+  check(await soon(async () => (await drawn()).every((p) => p.points > 50)), `no plot is empty: ${JSON.stringify(await drawn())}`);
+  const heading = (await drawn()).find((p) => p.title === "heading");
+  check(heading && heading.jump <= 180, `the heading does not jump across its plot: ${JSON.stringify(heading)}`);
+}
+
+/** Positions by carrier phase: how many epochs are fixed, the ratio, and a track of centimetres that fills its plane. */
+async function carrier(t) {
+  const { page, address, ask, check } = t;
+  const root = process.env.SCHULER_DATA ?? join(dirname(fileURLToPath(import.meta.url)), "../../../shared/data");
+  const pair = join(root, "rtklib_geonet_pair");
+  if (!existsSync(pair)) return console.log(`carrier phase not looked at: ${pair} is not there (SCHULER_DATA)`);
+  cpSync(pair, join(t.folder, "work", "data", "pair"), { recursive: true });
+  await page.goto(`${address}#/data/pair`);
+  await page.locator('.task input[value="ppk"]').check();
+  await page.getByLabel("Name", { exact: true }).fill("Pair");
+  await page.getByRole("button", { name: /Process/ }).click();
+  const id = await t.done();
+  await page.locator(".stat").first().waitFor();
+  const { summary } = await ask(`api/runs/${id}`);
+  const stats = await page.locator(".stats").innerText();
+  check(summary.carrier.fixed > 100 && stats.includes(`${summary.carrier.fixed} fixed`), `fixed epochs are told: ${stats}`);
+  check(!/Inertial unit/.test(stats), "there is no inertial unit to speak of");
+  const { time_s } = await ask(`api/runs/${id}/series?columns=/carrier/table:ratio&points=0`);
+  check(time_s.length === summary.carrier.epochs && Math.abs(time_s[0]) < 1 && Math.abs(time_s.at(-1) - summary.duration_s) < 1, `on the axis of the run: ${time_s[0]} to ${time_s.at(-1)}`);
+  await t.tabs("carrier phase", id);
+}
+
+/** A PNG of one pixel. */
+function pixel(...rgb) {
+  const crc = (bytes) => {
+    let c = ~0;
+    for (const b of bytes) for (let k = 0, x = (c ^= b); k < 8; ++k) c = x = x & 1 ? (x >>> 1) ^ 0xedb88320 : x >>> 1;
+    return ~c >>> 0;
+  };
+  const chunk = (name, data) => {
+    const body = Buffer.concat([Buffer.from(name), data]),
+      out = Buffer.alloc(body.length + 8);
+    out.writeUInt32BE(data.length, 0), body.copy(out, 4), out.writeUInt32BE(crc(body), body.length + 4);
+    return out;
+  };
+  const head = Buffer.from([0, 0, 0, 1, 0, 0, 0, 1, 8, 2, 0, 0, 0]);
+  return Buffer.concat([Buffer.from("89504e470d0a1a0a", "hex"), chunk("IHDR", head), chunk("IDAT", deflateSync(Buffer.from([0, ...rgb]))), chunk("IEND", Buffer.alloc(0))]);
+}
+
+/** Tiles of a folder lie under the track where they belong: the edge of two of them is 140 m west of the start at 8 degrees east. */
+async function tiles(t) {
+  const { page, check, options } = t;
+  const folder = mkdtempSync(join(tmpdir(), "schuler_tiles_"));
+  for (let x = 8553; x < 8560; ++x)
+    for (let y = 5545; y < 5560; ++y) {
+      mkdirSync(join(folder, "tiles", "14", String(x)), { recursive: true });
+      writeFileSync(join(folder, "tiles", "14", String(x), `${y}.png`), x < 8556 ? pixel(0, 0, 255) : pixel(255, 0, 0));
+    }
+  const server = await serve(options.program, folder, ["--tiles", join(folder, "tiles")]);
+  const tab = await page.context().newPage();
+  const complaints = [];
+  tab.on("console", (m) => m.type() === "error" && complaints.push(m.text()));
+  try {
+    await tab.goto(server.entrance);
+    const { id } = await server.ask("api/runs", "POST", { kind: "scenario", title: "Over a map", toml: drive(5) });
+    await ended({ ask: server.ask, page }, [id]);
+    await tab.goto(`${server.address}#/run/${id}/overview`);
+    await tab.locator(".plan-canvas").waitFor();
+    const seen = () =>
+      tab.evaluate(() => {
+        const { plan } = document.querySelector("figure.plan"),
+          { canvas } = plan;
+        const at = (east, north) => [...canvas.getContext("2d").getImageData(...plan.place(east, north).map((v) => Math.round(v * devicePixelRatio)), 1, 1).data];
+        const edge = -((8 - ((8556 / 16384) * 360 - 180)) * Math.PI / 180) * 6378137 / Math.sqrt(1 - 0.00669437999014 * Math.sin(50 * Math.PI / 180) ** 2) * Math.cos(50 * Math.PI / 180);
+        plan.centre = { east: edge, north: 40 };   // the edge of the tiles in the middle
+        plan.scale = 1;
+        plan.fitted = true;
+        plan.paint();
+        return { drawn: plan.tiles?.drawn ?? 0, edge, west: at(edge - 6, 60), east: at(edge + 6, 60) };
+      });
+    const right = ({ drawn, west, east }) => drawn >= 2 && west[2] > west[0] + 80 && east[0] > east[2] + 80;
+    for (let i = 0; i < 50 && !right(await seen()); ++i) await tab.waitForTimeout(100);
+    const last = await seen(),
+      { drawn, edge, west, east } = last;
+    check(right(last), `the map lies under the track: ${drawn} tiles, the edge ${edge} m, west of it ${west}, east ${east}`);
+    check(complaints.length === 0, `a tile that is not there is no fault: ${complaints}`);
+    const outside = await fetch(`${server.address}api/tiles/14/../x`, { headers: { Authorization: `Bearer ${server.token}` } });
+    check(outside.status >= 400, `names that are no numbers: ${outside.status}`);
+    if (options.shots) await tab.screenshot({ path: join(options.shots, "ui-tiles.png") });
+  } finally {
+    await tab.close();
+    await server.stop();
+    rmSync(folder, { recursive: true, force: true });
+  }
+}
+
+/** The server ends: the page says so. It is started anew, with another token: that too; and all is well with the new address. */
+async function restart(t) {
+  const { page, check, options } = t;
+  const folder = mkdtempSync(join(tmpdir(), "schuler_anew_"));
+  const before = await serve(options.program, folder);
+  const tab = await page.context().newPage();
+  let after = null;
+  try {
+    await tab.goto(before.entrance);
+    await tab.locator("h1").waitFor();
+    const banner = tab.locator(".banner");
+    check(await banner.isHidden(), "no banner while the server answers");
+    await before.stop();
+    await banner.waitFor({ timeout: 20_000 });
+    check(/does not answer/.test(await banner.innerText()), "a server that ended is noticed");
+    after = await serve(options.program, folder, [], new URL(before.address).port);
+    await tab.locator(".banner", { hasText: "started anew" }).waitFor({ timeout: 20_000 });
+    const other = await page.context().newPage();
+    await other.goto(after.entrance);
+    await other.close();
+    await banner.waitFor({ state: "hidden", timeout: 20_000 });
+    await after.ask("api/runs", "POST", { kind: "scenario", title: "Afterwards", toml: drive(3) });
+    await tab.getByRole("link", { name: "Afterwards" }).waitFor({ timeout: 20_000 });
+  } catch (e) {
+    check(false, `a server started anew: ${e.message.split("\n")[0]}; the banner: ${await tab.locator(".banner").innerText().catch(() => "-")}`);
+  } finally {
+    await tab.close();
+    await after?.stop();
+    rmSync(folder, { recursive: true, force: true });
+  }
+}
+
+/** An item of a paper is chosen from the list of its items and computed: the printed numbers beside those of the program. */
+async function papers(t) {
+  const { page, address, check, accessible } = t;
+  await page.goto(`${address}#/studies/paper`);
+  await page.locator(".paper-items tbody tr").first().waitFor();
+  await page.getByLabel("Paper", { exact: true }).selectOption("B");
+  await page.locator(".paper-items").waitFor();
+  await page.getByLabel("Paper", { exact: true }).selectOption("A");
+  await page.getByRole("button", { name: "figure-4.1.1", exact: true }).click();
+  check((await page.locator("#option-item").inputValue()) === "figure-4.1.1", "a click puts an item into the form");
+  await accessible("papers");
+  await page.getByRole("button", { name: /Compute/ }).click();
+  const id = await t.done();
+  await t.tabs("paper", id);
+  await page.goto(`${address}#/run/${id}/document`);
+  await page.getByText("Schuler period").first().waitFor();
+}
+
+const freePort = () =>
+  new Promise((found) => {
+    const s = createServer().listen(0, "127.0.0.1", () => {
+      const { port } = s.address();
+      s.close(() => found(port));
+    });
+  });
+
+/** A drive replayed to `schuler live`, whose messages the page shows: nothing yet, navigation, the end. */
+async function live(t) {
+  const { page, check, options, accessible } = t;
+  const folder = mkdtempSync(join(tmpdir(), "schuler_live_"));
+  const [samples, messages] = [await freePort(), await freePort()];
+  writeFileSync(join(folder, "drive.toml"), drive(4));
+  execFileSync(options.program, ["simulate", join(folder, "drive.toml"), "-o", join(folder, "drive")], { stdio: "ignore" });
+  let text = readFileSync(join(folder, "drive", "dataset.toml"), "utf8").replace("smooth = true", "smooth = false");
+  text = text.split(/^(?=\[)/m).filter((part) => !/^\[(output|reference)\]/.test(part)).join("");
+  for (const section of ["imu", "gnss"])
+    text = text.replace(new RegExp(`(\\[${section}\\]\n)file = .*\n`), `$1source = "tcp-listen://127.0.0.1:${samples}"\nformat = "json"\n`);
+  writeFileSync(join(folder, "live.toml"), `${text}\n[live]\nlag_s = 0.5\nhealth_every_s = 0.2\n[[output]]\nto = "tcp-listen://127.0.0.1:${messages}"\nrate_hz = 10\n`);
+  const begun = [];
+  const begin = (...words) => {
+    const child = spawn(options.program, words, { cwd: folder, stdio: ["ignore", "ignore", "pipe"] });
+    child.told = "";
+    child.stderr.on("data", (d) => (child.told += d));
+    begun.push(child);
+    return child;
+  };
+  const server = await serve(options.program, folder, ["--live", `tcp://127.0.0.1:${messages}`]);
+  const tab = await page.context().newPage();
+  const complaints = [];
+  tab.on("pageerror", (e) => complaints.push(e.message));
+  try {
+    await tab.goto(server.entrance);
+    await tab.getByRole("link", { name: "Live", exact: true }).click();
+    await tab.locator(".live-link", { hasText: "No connection" }).waitFor();
+    const navigator = begin("live", "live.toml");
+    await tab.locator(".live-link", { hasText: "Messages of" }).waitFor();
+    begin("replay", join("drive", "dataset.toml"), "--to", `tcp://127.0.0.1:${samples}`, "--speed", "30");
+    await tab.locator(".stat", { hasText: "navigating" }).waitFor().catch(() => check(false, `it does not navigate: ${navigator.told.slice(-300)}`));
+    const drawn = () =>
+      tab.evaluate(() => [...document.querySelectorAll(".live figure.plot")].filter((f) => f.plot).map((f) => f.plot.data.y.flat().filter((v) => v !== null).length));
+    for (let i = 0; i < 80 && (await drawn())[0] < 300; ++i) await tab.waitForTimeout(100);
+    check((await drawn())[0] >= 300, `the plots grow: ${await drawn()}`);
+    check(/(49\.99|50\.00)\d+°, 8\.0\d+°/.test(await tab.locator(".stats").innerText()), `where it is: ${await tab.locator(".stats").innerText()}`);
+    const taken = async () => Number(await tab.locator("tr", { has: tab.getByRole("rowheader", { name: "gnss", exact: true }) }).locator("td").first().innerText());
+    check((await taken()) > 10, `health of the receiver: ${await taken()}`);
+    check(/phase: navigating/.test(await tab.locator(".live-events").innerText()), "events are listed");
+    const before = (await drawn())[0];
+    check(await t.soon(async () => (await drawn())[0] > before), `and go on growing: ${before}, ${await drawn()}`);
+    let faded = 0;
+    for (let i = 0; i < 25; ++i) {
+      faded += await tab.evaluate(() => [...document.querySelectorAll(".live .u-series")].filter((e) => !["", "1"].includes(e.style.opacity)).length);
+      await tab.waitForTimeout(60);
+    }
+    check(faded === 0, `no line fades unless the mouse is near it: ${faded}`);
+    if (options.shots) await tab.screenshot({ path: join(options.shots, "ui-live.png") });
+    await tab.setViewportSize({ width: 390, height: 844 });
+    await tab.waitForTimeout(500);
+    check((await tab.evaluate(() => document.documentElement.scrollWidth - innerWidth)) <= 1, "live: wider than a phone");
+    if (options.shots) await tab.screenshot({ path: join(options.shots, "ui-live-390.png"), fullPage: true });
+    await accessible("live", tab);
+    navigator.kill("SIGTERM");
+    await tab.locator(".live-link", { hasText: "No connection" }).waitFor();
+    check(complaints.length === 0, `live: ${complaints}`);
+  } finally {
+    await tab.close();
+    for (const child of begun) child.kill("SIGKILL");
+    await server.stop();
+    rmSync(folder, { recursive: true, force: true });
+  }
+}
+
+export async function work(t) {
+  const steps = [frame, batch, comparisons, carrier, papers, tiles, live, restart];
+  for (const step of steps.filter((s) => !t.options.steps || t.options.steps.includes(s.name)))
+    try {
+      await step(t);
+    } catch (e) {
+      t.check(false, `${step.name}: ${e.message.split("\n")[0]}`);   // the other steps do not need it
+    }
+}
