@@ -2,8 +2,8 @@
 # is libschuler: the objects of all rooms in one archive, with the third-party libraries behind it.
 #   PRECOMPILED    the name of its precompiled headers (schuler_precompile.cmake)
 #   LIGHT          nothing in it takes long when it runs: compiled for a short build (schuler_light)
-#   SCALAR         long chains of operations on three-vectors: GCC and clang pack neighbouring numbers into vectors of two, and the
-#                  shuffling costs more than it saves (a step of the mechanization 122 ns, without it 104 ns)
+#   SCALAR         long chains of operations on three-vectors: compilers pack neighbouring numbers into vectors of two, and the
+#                  shuffling costs more than it saves (build/bin/bench_filter)
 
 include(schuler_precompile)
 

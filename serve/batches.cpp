@@ -1,4 +1,5 @@
 // Batches: several data sets processed with the same settings, each as a run of its own that bears the name of the batch.
+#include "serve/replies.h"
 #include "serve/service.h"
 
 #include "schuler/core/error.h"
@@ -24,8 +25,7 @@ std::string unused_name(const std::string& title, const Json& runs) {
 
 Json Service::start_batch(const Json& order) {
     constexpr std::size_t most = 1000;
-    const std::string title = order.value("title", "");
-    if (title.empty() || title.size() > 200) throw Refusal{422, "a title has 1 to 200 bytes", {}, "title"};
+    const std::string title = title_of(order, "");
     const auto datasets = order.value("datasets", std::vector<std::string>{});
     if (datasets.empty() || datasets.size() > most)
         throw Refusal{422, fmt::format("a batch has 1 to {} data sets", most), "name them in datasets", "datasets"};
@@ -59,12 +59,7 @@ void Service::add_batch_routes() {
                        {},
                        "{title, datasets: [name], and command, arguments, settings or toml as POST /api/runs}",
                        "201 and {batch: its name, which the runs bear, runs: [id]}",
-                       [this](const Request& r) {
-                           Reply reply;
-                           reply.status = 201;
-                           reply.body = start_batch(Json::parse(r.body)).dump(-1, ' ', false, Json::error_handler_t::replace);
-                           return reply;
-                       }});
+                       [this](const Request& r) { return json_reply(start_batch(Json::parse(r.body)), 201); }});
 }
 
 }  // namespace schuler::serve

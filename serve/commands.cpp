@@ -7,6 +7,7 @@
 #include "serve/assets.h"
 #include "serve/forms.h"
 #include "serve/names.h"
+#include "serve/replies.h"
 #include "serve/service.h"
 
 #include <fmt/format.h>
@@ -69,11 +70,6 @@ void add_example_files(const settings::SettingList& settings, const std::filesys
 }
 
 void Service::add_kept_routes() {
-    const auto json = [](const Json& j) {
-        Reply reply;
-        reply.body = j.dump(-1, ' ', false, Json::error_handler_t::replace);
-        return reply;
-    };
     routes_.push_back({"GET",
                        "/api/commands",
                        "what can be done with a scenario or a data set, each with the form of its options",
@@ -90,7 +86,7 @@ void Service::add_kept_routes() {
                                               {"examples", command->examples},
                                               {"options", schema_of(fields_of(*command), command->defaults)}});
                            }
-                           return json(out);
+                           return json_reply(out);
                        }});
     routes_.push_back(
         {"GET",
@@ -106,7 +102,7 @@ void Service::add_kept_routes() {
              fs::path file = folder;
              for (const std::string& part : io::split(given.substr(0, mark), '/')) file = inside(file, part);
              if (mark != std::string::npos) file += given.substr(mark);
-             return json(asked_of_program("log", {std::string(aside_word), "raw", file.string()}, folder, {}, 60.0));
+             return json_reply(asked_of_program("log", {std::string(aside_word), "raw", file.string()}, folder, {}, 60.0));
          }});
     routes_.push_back({"GET",
                        "/api/layouts",
@@ -114,7 +110,7 @@ void Service::add_kept_routes() {
                        {},
                        "",
                        "{name: layout}, or null",
-                       [=, this](const Request&) { return json(workspace_.kept()); }});
+                       [=, this](const Request&) { return json_reply(workspace_.kept()); }});
     routes_.push_back({"PUT",
                        "/api/layouts",
                        "keeps layouts of plots in the workspace",
@@ -126,7 +122,7 @@ void Service::add_kept_routes() {
                            if (!given.is_object()) throw Refusal{422, "layouts are an object of names and layouts"};
                            if (r.body.size() > (1u << 20)) throw Refusal{413, "the layouts are larger than 1 MB", "remove some"};
                            workspace_.keep(given);
-                           return json(Json::object());
+                           return json_reply(Json::object());
                        }});
 }
 

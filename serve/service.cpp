@@ -6,6 +6,7 @@
 #include "serve/assets.h"
 #include "serve/forms.h"
 #include "serve/names.h"
+#include "serve/replies.h"
 
 #include <fmt/format.h>
 
@@ -174,37 +175,32 @@ void Service::finished(const JobReport& report) {
 
 void Service::add_settings_routes() {
     const auto form_of = [](const Request& r) { return r.asked("of", "scenario") == "dataset" ? Form::Dataset : Form::Scenario; };
-    const auto json = [](const Json& j) {
-        Reply reply;
-        reply.body = j.dump(-1, ' ', false, Json::error_handler_t::replace);
-        return reply;
-    };
     const Parameter of{"of", "string", "scenario (default) or dataset"};
     routes_.push_back({"GET", "/api/openapi.json", "this document", {}, "", "OpenAPI 3.1", [=, this](const Request&) {
-                           return json(openapi());
+                           return json_reply(openapi());
                        }});
-    routes_.push_back(
-        {"GET",
-         "/api/about",
-         "version and limits",
-         {},
-         "",
-         "{version, max_upload, confined, opened, live, tiles: [zoom]}",
-         [=, this](const Request&) {
-             return json({{"version", settings_.version},
-                          {"max_upload", settings_.max_upload},
-                          {"confined", can_confine()},
-                          {"tiles", tile_zooms()},
-                          {"live", settings_.live.empty() ? Json(nullptr) : Json(settings_.live.text())},
-                          {"opened", settings_.opened.empty() ? Json(nullptr) : Json(settings_.opened.filename().string())}});
-         }});
+    routes_.push_back({"GET",
+                       "/api/about",
+                       "version and limits",
+                       {},
+                       "",
+                       "{version, max_upload, confined, opened, live, tiles: [zoom]}",
+                       [=, this](const Request&) {
+                           return json_reply({{"version", settings_.version},
+                                              {"max_upload", settings_.max_upload},
+                                              {"confined", can_confine()},
+                                              {"tiles", tile_zooms()},
+                                              {"live", settings_.live.empty() ? Json(nullptr) : Json(settings_.live.text())},
+                                              {"opened", settings_.opened.empty() ? Json(nullptr)
+                                                                                  : Json(settings_.opened.filename().string())}});
+                       }});
     routes_.push_back({"GET",
                        "/api/options",
                        "the options of scenario or dataset files, as for a form",
                        {of},
                        "",
                        "[{key, shape, length, low, high, choices, accepts, help, unit, default}]",
-                       [=](const Request& r) { return json(form_schema(form_of(r))); }});
+                       [=](const Request& r) { return json_reply(form_schema(form_of(r))); }});
     routes_.push_back(
         {"GET", "/api/examples", "scenarios that come with the program", {}, "", "[{name, about, toml}]", [=](const Request&) {
              Json out = Json::array();
@@ -215,7 +211,7 @@ void Service::add_settings_routes() {
                  const std::string file(a.path.substr(10));
                  out.push_back({{"name", file.substr(0, file.rfind('.'))}, {"about", about}, {"toml", toml}});
              }
-             return json(out);
+             return json_reply(out);
          }});
     routes_.push_back({"POST",
                        "/api/settings",
@@ -223,7 +219,7 @@ void Service::add_settings_routes() {
                        {of},
                        "{settings: {key: value}} or {toml: text}",
                        "{settings, used, toml, problem, track}",
-                       [=, this](const Request& r) { return json(understood_aside(Json::parse(r.body), form_of(r))); }});
+                       [=, this](const Request& r) { return json_reply(understood_aside(Json::parse(r.body), form_of(r))); }});
 }
 
 void Service::add_live_routes() {

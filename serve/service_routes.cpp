@@ -6,6 +6,7 @@
 #include "serve/aside.h"
 #include "serve/forms.h"
 #include "serve/names.h"
+#include "serve/replies.h"
 
 #include <fmt/format.h>
 
@@ -20,24 +21,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Reply json(const Json& j, int status = 200) {
-    Reply reply;
-    reply.status = status;
-    reply.body = j.dump(-1, ' ', false, Json::error_handler_t::replace);
-    return reply;
-}
-
 Reply text(std::string body, std::string type = "text/plain; charset=utf-8") {
     Reply reply;
     reply.type = std::move(type);
     reply.body = std::move(body);
     return reply;
-}
-
-std::string title_of(const Json& body, const std::string& otherwise) {
-    const std::string title = body.contains("title") ? body["title"].get<std::string>() : otherwise;
-    if (title.empty() || title.size() > 200) throw Refusal{422, "a title has 1 to 200 bytes", {}, "title"};
-    return title;
 }
 
 std::string note_of(const Json& body) {
@@ -205,14 +193,14 @@ void Service::add_dataset_routes() {
                        {},
                        "",
                        "[{name, title, opened, files: [{name, bytes}]}]",
-                       [this](const Request&) { return json(workspace_.datasets()); }});
+                       [this](const Request&) { return json_reply(workspace_.datasets()); }});
     routes_.push_back({"POST", "/api/datasets", "a new, empty data set", {}, "{title}", "{name}", [this](const Request& r) {
-                           return json({{"name", workspace_.new_dataset(title_of(Json::parse(r.body), "data"))}});
+                           return json_reply({{"name", workspace_.new_dataset(title_of(Json::parse(r.body), "data"))}});
                        }});
     routes_.push_back(
         {"DELETE", "/api/datasets/{dataset}", "removes an uploaded data set", {}, "", "{}", [this](const Request& r) {
              workspace_.remove_dataset(r.parts[0]);
-             return json(Json::object());
+             return json_reply(Json::object());
          }});
     routes_.push_back(
         {"PUT", "/api/datasets/{dataset}/files/{file}", "uploads one file of a data set", {}, "", "{name, bytes}", {}});
@@ -222,7 +210,7 @@ void Service::add_dataset_routes() {
                        {},
                        "",
                        "as `schuler inspect --json`, with form: {settings, used, toml, problem}",
-                       [this](const Request& r) { return json(inspected(r.parts[0])); }});
+                       [this](const Request& r) { return json_reply(inspected(r.parts[0])); }});
 }
 
 Reply Service::start_run(const Json& order) {
@@ -279,7 +267,7 @@ Reply Service::start_run(const Json& order) {
     job.confinement = confinement(input, folder);
     job.result = folder / "summary.json";
     jobs_.start(std::move(job));
-    return json(run_now(id), 201);
+    return json_reply(run_now(id), 201);
 }
 
 Json Service::run_now(const std::string& id) const {
@@ -326,7 +314,7 @@ void Service::add_run_routes() {
          [this](const Request&) {
              Json all = workspace_.runs();
              for (Json& run : all) run = run_now(run["id"]);
-             return json(all);
+             return json_reply(all);
          }});
     routes_.push_back(
         {"POST",
@@ -356,7 +344,7 @@ void Service::add_run_routes() {
                            }
                            std::sort(files.begin(), files.end());
                            run["files"] = files;
-                           return json(run);
+                           return json_reply(run);
                        }});
     routes_.push_back({"PATCH",
                        "/api/runs/{run}",
@@ -370,17 +358,17 @@ void Service::add_run_routes() {
                            if (body.contains("title") || !body.contains("note")) fields["title"] = title_of(body, "");
                            if (body.contains("note")) fields["note"] = note_of(body);
                            workspace_.note(r.parts[0], fields);
-                           return json(run_now(r.parts[0]));
+                           return json_reply(run_now(r.parts[0]));
                        }});
     routes_.push_back({"DELETE", "/api/runs/{run}", "removes a run and its files", {}, "", "{}", [this](const Request& r) {
                            if (jobs_.busy(r.parts[0])) throw Refusal{409, "the run is still at work", "cancel it first"};
                            workspace_.remove_run(r.parts[0]);
                            jobs_.forget(r.parts[0]);
-                           return json(Json::object());
+                           return json_reply(Json::object());
                        }});
     routes_.push_back({"POST", "/api/runs/{run}/cancel", "ends a run that is at work", {}, "", "{}", [this](const Request& r) {
                            if (!jobs_.cancel(r.parts[0])) throw Refusal{409, "the run is not at work"};
-                           return json(Json::object());
+                           return json_reply(Json::object());
                        }});
     routes_.push_back({"GET", "/api/runs/{run}/log", "messages of the program", {}, "", "text", [this](const Request& r) {
                            const fs::path folder = workspace_.run_folder(r.parts[0]);
@@ -401,7 +389,7 @@ void Service::add_run_routes() {
                            if (toml.empty()) throw Refusal{404, "this run was not started here: its settings are in config.toml"};
                            Json out = understood_aside({{"toml", toml}}, form);
                            out["kind"] = form == Form::Scenario ? "scenario" : "dataset";
-                           return json(out);
+                           return json_reply(out);
                        }});
 }
 
@@ -431,12 +419,12 @@ void Service::add_noise_routes() {
                        {},
                        "",
                        answer,
-                       [this](const Request& r) { return json(noise_of_run(r.parts[0])); }});
+                       [this](const Request& r) { return json_reply(noise_of_run(r.parts[0])); }});
     routes_.push_back(
         {"GET", "/api/datasets/{dataset}/noise", "the same of a data set's IMU log", {}, "", answer, [this](const Request& r) {
              const fs::path folder = workspace_.dataset_folder(r.parts[0]);
              check_dataset(folder);
-             return json(asked_of_program("data set", {"analyze", "allan", folder.string(), "--json"}, folder, {}));
+             return json_reply(asked_of_program("data set", {"analyze", "allan", folder.string(), "--json"}, folder, {}));
          }});
 }
 
@@ -452,7 +440,7 @@ void Service::add_result_routes() {
          {},
          "",
          "[{group, rows, start_s, stop_s, columns: [{id, name, unit, names: the meaning of its numbers, where it is a list}]}]",
-         [this](const Request& r) { return json(results_.channels(readable_run(r.parts[0]))); }});
+         [this](const Request& r) { return json_reply(results_.channels(readable_run(r.parts[0]))); }});
     std::vector<Parameter> query{
         {"columns", "string", "ids of /channels with commas, all of one group"},
         {"origin", "string", "run whose first position is the origin of local columns; default: this one"}};

@@ -6,6 +6,7 @@
 #include "schuler/settings/command_line.h"
 #include "serve/forms.h"
 #include "serve/names.h"
+#include "serve/replies.h"
 #include "serve/service.h"
 
 #include <fmt/format.h>
@@ -117,10 +118,7 @@ Reply Service::start_study(const Json& order) {
     job.keep_output = true;  // becomes summary.json
     job.confinement = confinement(readable, folder);
     jobs_.start(std::move(job));
-    Reply reply;
-    reply.status = 201;
-    reply.body = run_now(id).dump(-1, ' ', false, Json::error_handler_t::replace);
-    return reply;
+    return json_reply(run_now(id), 201);
 }
 
 void Service::add_study_routes() {
@@ -134,9 +132,7 @@ void Service::add_study_routes() {
                            Json out = Json::array();
                            for (const app::Command& command : app::commands())
                                if (is_study(command)) out.push_back(study_json(command));
-                           Reply reply;
-                           reply.body = out.dump(-1, ' ', false, Json::error_handler_t::replace);
-                           return reply;
+                           return json_reply(out);
                        }});
     routes_.push_back({"GET",
                        "/api/papers",
@@ -149,9 +145,7 @@ void Service::add_study_routes() {
                            const auto& options = study_named("paper").options;
                            for (const std::string& paper : std::ranges::find(options, "paper", &OptionSpec::key)->choices)
                                out.push_back(asked_of_program("paper", {"paper", paper, "--json"}, {}, {}));
-                           Reply reply;
-                           reply.body = out.dump(-1, ' ', false, Json::error_handler_t::replace);
-                           return reply;
+                           return json_reply(out);
                        }});
     routes_.push_back({"POST",
                        "/api/studies",

@@ -200,6 +200,8 @@ void Workspace::note(const std::string& id, const Json& fields) {
     state.update(fields);
     io::allow_overwrite(root_ / id / state_file);  // regardless of other changes: the state belongs to the server
     report::write_text(root_ / id / state_file, state.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+    const std::lock_guard lock(read_mutex_);
+    read_.erase(id);  // within one tick of the clock the file may have the same time and size
 }
 
 void Workspace::remove_run(const std::string& id) {

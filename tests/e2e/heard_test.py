@@ -112,6 +112,15 @@ def scenarios(program, source):
             program(command, source_of, "-o", out, "-q", "--set", f"filter.preset={preset}", "--outputs", "solution,summary")
             found[command, preset] = (folder / out / "solution.csv").read_text()
         check(found[command, "ins15"] != found[command, "ins21"], f"{command}: presets that are the same")
+    # states.csv is written where there is a filter with such states, and asked for in vain elsewhere
+    program("run", "plain.toml", "-o", "states", "-q", "--outputs", "summary,states")
+    names = (folder / "states/states.csv").read_text().splitlines()[0].split(",")
+    check({"time_s", "gyro_bias_1_rad_s", "std_gyro_bias_1_rad_s", "std_accel_bias_3_m_s2"} <= set(names), f"states.csv: {names}")
+    for command, words in (("process", ("--scheme", "gnss")), ("ahrs", ())):
+        program(command, "scale", "-o", f"none-{command}", "-q", "--outputs", "summary,states", *words)
+        told = json.loads((folder / f"none-{command}/summary.json").read_text())
+        check("output.files" in [i["key"] for i in told["ignored"]], f"{command}: {told['ignored']}")
+        check(not (folder / f"none-{command}/states.csv").exists(), f"{command}: states of no filter")
     # no example says anything in vain: these three refine a preset
     for name in ("airliner-hg9900", "approach", "faults"):
         program("run", source / f"examples/{name}.toml", "-o", name, "-q", "--outputs", "summary")

@@ -149,6 +149,34 @@ TEST(Hypotheses, AVerticalFaultIsFoundWhereTheVerticalVelocityHasItsOwnLatency) 
     EXPECT_LT(o.after, 1.0);
 }
 
+/// A velocity that is wrong for a few seconds while positions agree is rejected, without a second hypothesis: also where the vertical
+/// velocity has a latency of its own and the height has not.
+TEST(Hypotheses, AWrongVerticalVelocityWhilePositionsAgreeIsRejected) {
+    Drive d = drive(48);
+    d.settings.gnss.velocity_down_latency = 0.001;
+    for (GnssFix& fix : d.recording.gnss)
+        if (age(d, fix.time) >= 0.0 && age(d, fix.time) < 8.0) fix.velocity_n.z() += 3.0;
+    const Outcome o = outcome(d);
+    EXPECT_TRUE(o.result.alerts.empty());
+    EXPECT_EQ(o.denied, 0.0);
+    EXPECT_LT(o.after, 0.5);
+}
+
+/// After an outage in which the unit failed, heights are off by a nearly constant amount, as after a jump of the receiver; the vertical
+/// velocities, in whichever channel they are, contradict that.
+TEST(Hypotheses, AVerticalFaultInAnOutageIsNoJumpOfTheReceiver) {
+    for (const double size : {0.5, 1.5})
+        for (const bool velocity : {false, true}) {
+            Drive d = drive(49);
+            (velocity ? d.settings.gnss.velocity_down_latency : d.settings.gnss.height_latency) = 0.001;
+            std::erase_if(d.recording.gnss, [&](const GnssFix& f) { return age(d, f.time) > 0.0 && age(d, f.time) < 20.0; });
+            disturb(d, 1.0, 3.0, [&](ImuSample& s) { s.accel.z() += size; });
+            const Outcome o = outcome(d);
+            EXPECT_FALSE(alerted(o, IntegrityTest::Jump)) << size << " " << velocity;
+            EXPECT_LT(o.after, 0.5) << size << " " << velocity;
+        }
+}
+
 /// The smoother goes back along the hypothesis that was right in the end.
 TEST(Hypotheses, TheSmootherKnowsWhoWasRight) {
     Drive d = drive(45);

@@ -15,7 +15,7 @@ NavStateEcef step_e(const earth::Earth& earth, const NavStateEcef& state, const 
     const Quad q_eb(state.q_eb);
 
     const Triple gravity(earth::gravity_ecef(earth, {(start + 0.5 * dt * v).vector()}));
-    const Triple dv_g = detail::velocity_increment_in(q_eb, increment, zeta) + dt * gravity;
+    const Triple dv_g = detail::velocity_increment_in(state.q_eb, increment, zeta) + dt * gravity;
     const Triple v_middle = v + (0.5 * dv_g - zeta.cross(v));
     const Triple v_end = v + (dv_g - 2.0 * zeta.cross(v_middle));
 

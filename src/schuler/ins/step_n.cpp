@@ -34,7 +34,7 @@ NavState step_n(const earth::Earth& earth, const NavState& state, const Compensa
 
     // Velocity at mid-step: half of the step's change, for which the Coriolis term at the start is sufficient.
     const Triple w_en_start = transport_rate(v);
-    const Triple dv = detail::velocity_increment_in(q_nb, increment, dt * (w_ie + w_en_start));
+    const Triple dv = detail::velocity_increment_in(state.q_nb, increment, dt * (w_ie + w_en_start));
     const Triple v_middle = v + 0.5 * (dv + dt * (g - (2.0 * w_ie + w_en_start).cross(v)));
     const Triple w_en = transport_rate(v_middle);
     const Triple v_end = v + (dv + dt * (g - (2.0 * w_ie + w_en).cross(v_middle)));

@@ -1,7 +1,7 @@
 // Vectors and quaternions as plain numbers, for the few functions that run at every inertial sample.
 //
 // Eigen reads a Vector3d as a packet of two numbers and a single one. If they were written one by one immediately before, the read waits
-// for the memory (10 to 15 cycles), and a mechanization step has a dozen such places. Plain numbers remain in registers.
+// until they have left the processor's store buffer. Plain numbers remain in registers.
 #pragma once
 
 #include <Eigen/Core>
@@ -74,23 +74,6 @@ struct HalfAngle {
     }
     const double n = std::sqrt(n2);
     return {std::cos(0.5 * n), std::sin(0.5 * n) / n};
-}
-
-/// The rotation matrix of a unit quaternion by rows.
-struct RotationRows {
-    Triple first, second, third;
-
-    explicit RotationRows(const Quad& q)
-        : first(1.0 - 2.0 * (q.v.y * q.v.y + q.v.z * q.v.z), 2.0 * (q.v.x * q.v.y - q.w * q.v.z),
-                2.0 * (q.v.x * q.v.z + q.w * q.v.y)),
-          second(2.0 * (q.v.x * q.v.y + q.w * q.v.z), 1.0 - 2.0 * (q.v.x * q.v.x + q.v.z * q.v.z),
-                 2.0 * (q.v.y * q.v.z - q.w * q.v.x)),
-          third(2.0 * (q.v.x * q.v.z - q.w * q.v.y), 2.0 * (q.v.y * q.v.z + q.w * q.v.x),
-                1.0 - 2.0 * (q.v.x * q.v.x + q.v.y * q.v.y)) {}
-};
-[[nodiscard]] inline Triple operator*(const RotationRows& C, const Triple& v) {
-    return {C.first.x * v.x + C.first.y * v.y + C.first.z * v.z, C.second.x * v.x + C.second.y * v.y + C.second.z * v.z,
-            C.third.x * v.x + C.third.y * v.y + C.third.z * v.z};
 }
 
 }  // namespace schuler::math

@@ -119,7 +119,7 @@ void add_sensor_errors(io::TableWriter& file, const std::string& group, const st
 /// Estimates and sigmas of every block of states after the navigation states, in SI units.
 void add_states(io::TableWriter& file, const std::string& group, const std::vector<filter::LayoutBlock>& states,
                 const std::vector<filter::ParameterRow>& rows) {
-    constexpr int navigation = 9;
+    constexpr int navigation = filter::Layout::navigation;
     if (rows.empty()) return;
     add_times(file, group, rows);
     for (const filter::LayoutBlock& block : states) {

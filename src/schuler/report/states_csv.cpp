@@ -22,9 +22,8 @@ std::string unit_suffix(std::string_view unit) {
 
 std::string states_csv(std::span<const filter::LayoutBlock> states, std::span<const filter::ParameterRow> rows) {
     std::string text = "time_s";
-    constexpr int navigation = 9;  // position, velocity and attitude
     for (const filter::LayoutBlock& block : states) {
-        if (block.offset < navigation) continue;
+        if (block.offset < filter::Layout::navigation) continue;
         for (int i = 1; i <= block.size; ++i) {
             const std::string number = block.size > 1 ? fmt::format("_{}", i) : std::string();
             const std::string name = fmt::format("{}{}{}", block.name, number, unit_suffix(block.unit));

@@ -188,7 +188,7 @@ private:
     void explained_away(std::string_view block, const char* what, const char* unit, const Eigen::Vector3d& sigma) {
         const auto it = std::ranges::find(b_.result.states, block, &fusion::LayoutBlock::name);
         if (it == b_.result.states.end()) return;
-        constexpr int navigation = 9;  // states before the first parameter
+        constexpr int navigation = filter::Layout::navigation;
         double most = 0.0;
         Inside inside;
         for (const fusion::ParameterRow& r : b_.result.forward.parameters) {

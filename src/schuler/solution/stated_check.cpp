@@ -45,7 +45,7 @@ std::optional<Estimate> at_the_end(const LoadedDataset& data, fusion::Settings s
     }
     const auto block = std::ranges::find(r.states, std::string_view("lever_arm"), &fusion::LayoutBlock::name);
     if (block == r.states.end() || r.forward.parameters.empty()) return std::nullopt;
-    constexpr int navigation = 9;  // states before the first parameter
+    constexpr int navigation = filter::Layout::navigation;
     Estimate e;
     const fusion::ParameterRow& last = r.forward.parameters.back();
     for (int i = 0; i < 3; ++i) {

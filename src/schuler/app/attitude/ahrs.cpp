@@ -65,6 +65,9 @@ report::Outcome ahrs_dataset(const AhrsRequest& request) {
     b.version = request.common.version;
     b.data = solution::load_dataset(dataset, config, warnings);
     b.ignored = solution::leave_out_chosen(b.data);
+    const auto wants = [&](std::string_view file) { return config.output.wants(file); };
+    if (wants("states") || wants("covariance") || wants("mat"))
+        b.ignored.push_back({"output.files", "attitude filters write no \"states\", \"covariance\" or \"mat\""});
     solution::warn_of_ignored(b.ignored, warnings);
     AhrsInput input = ahrs_input(b.data, request, warnings);
     b.filter = request.filter;

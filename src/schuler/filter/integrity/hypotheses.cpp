@@ -83,13 +83,16 @@ Alert alert_of(const Opening& o, Time time, IntegrityTest test) {
 
 bool in_use(const FixChannel& c) { return c.fitted || c.run.count() > 0; }
 
-/// Whether the test holds for the channels of the positions (`first` 0) or velocities (1) that measure these axes; the vertical axis has
-/// a channel of its own if its latency differs.
+/// Channel of the vertical axis of the positions (`first` 0) or velocities (1): its own if its latency differs.
+template <class Frame>
+const FixChannel& vertical_channel(const FilterRun<Frame>& run, std::size_t first) {
+    return in_use(run.fixes[first + 2]) ? run.fixes[first + 2] : run.fixes[first];
+}
+
+/// True if the test holds for all channels of the positions (`first` 0) or velocities (1) that measure these axes.
 template <class Frame, class Test>
-bool channels(const FilterRun<Frame>& run, std::size_t first, bool vertical_only, Test&& test) {
-    const FixChannel& vertical = run.fixes[first + 2];
-    const bool split = in_use(vertical);
-    return split && vertical_only ? test(vertical) : test(run.fixes[first]) && (!split || test(vertical));
+bool all_channels(const FilterRun<Frame>& run, std::size_t first, bool vertical_only, Test&& test) {
+    return (vertical_only || test(run.fixes[first])) && test(vertical_channel(run, first));
 }
 
 /// True if refused positions move relative to velocities that agree, in the axes that both measure.
@@ -100,10 +103,7 @@ bool wander(const FilterRun<Frame>& run) {
         const Vector3d relative = position.run.rate() - velocity.sum / velocity.fits;
         return relative.segment(axis, axes).norm() > 4.0 * velocity.fitted_sigma;
     };
-    const auto vertical = [&](std::size_t first) -> const FixChannel& {
-        return in_use(run.fixes[first + 2]) ? run.fixes[first + 2] : run.fixes[first];
-    };
-    return moves(run.fixes[0], run.fixes[1], 0, 2) || moves(vertical(0), vertical(1), 2, 1);
+    return moves(run.fixes[0], run.fixes[1], 0, 2) || moves(vertical_channel(run, 0), vertical_channel(run, 1), 2, 1);
 }
 
 template <class Frame>
@@ -205,7 +205,7 @@ AidStatus Pass<Frame>::judge(FilterRun<Frame>& run, Channel channel, AidRecord& 
     fixes.run.add(record.time, in_place(record.innovation, channel.components), sigma);
     fixes.fits = 0;
     const bool suspect = run.suspect && (!fixes.fitted || *run.suspect > *fixes.fitted);
-    const auto velocities = [&](auto&& test) { return channels(run, 1, channel.vertical_only, test); };
+    const auto velocities = [&](auto&& test) { return all_channels(run, 1, channel.vertical_only, test); };
     if (position && !suspect && fixes.run.shape(speed_sigma(run.filter)) == RunShape::Constant) {
         const bool at_once = fixes.began_at_once(), jump = fixes.run.mean().norm() > least_jump;
         // After an interruption with refused velocities the navigation itself has drifted.
@@ -222,7 +222,7 @@ AidStatus Pass<Frame>::judge(FilterRun<Frame>& run, Channel channel, AidRecord& 
     }
     // A refused velocity while positions agree is a receiver error, unless the IMU log indicates otherwise.
     const bool positions_fit =
-        !position && !suspect && channels(run, 0, channel.vertical_only, [](const FixChannel& c) { return c.fits > 0; });
+        !position && !suspect && all_channels(run, 0, channel.vertical_only, [](const FixChannel& c) { return c.fits > 0; });
     const int needed = suspect ? 1 : positions_fit ? settings_.aids.recovery_count : 2;
     const bool long_enough = !positions_fit || fixes.run.span() >= settings_.aids.recovery_time;
     if (rivalry_ == Rivalry::Contest && fixes.run.count() >= needed && long_enough) run.wanted = opening_of(run);

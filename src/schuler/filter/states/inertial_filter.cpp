@@ -79,7 +79,7 @@ BiasNoise bias_noise(const InertialModel& model) {
 template <class Frame>
 ImuIncrement InertialFilter<Frame>::corrected(const InertialModel& model, const ImuIncrement& raw) const {
     const Layout& L = model.layout;
-    const auto parameter = [&](int offset) { return Triple(parameters(offset), parameters(offset + 1), parameters(offset + 2)); };
+    const auto parameter = [&](int offset) { return Triple(parameters.segment<3>(offset)); };
     ImuIncrement c{raw.time, raw.dt, (Triple(raw.dtheta) - raw.dt * parameter(Layout::gyro_bias)).vector(),
                    (Triple(raw.dv) - raw.dt * parameter(Layout::accel_bias)).vector()};
     if (L.gyro_misalignment >= 0) {
@@ -104,8 +104,8 @@ void InertialFilter<Frame>::propagate(const InertialModel& model, const ImuIncre
     ins::CompensatedIncrement motion = ins::compensate(previous, inc);
     const Matrix3d C0 = C;
     const Vector3d velocity0 = Frame::velocity(nav);
-    const Vector3d df =
-        math::product(C0, Triple(motion.dv)).vector();  // dv is resolved in the body axes at the start of the step
+    // dv is resolved in the body axes at the start of the step
+    const Vector3d df = math::product(C0, Triple(motion.dv)).vector();
     if (model.layout.gravity_constant >= 0) {
         follow_disturbance(model, 0.5 * dt);  // at mid-step
         motion.dv += felt_disturbance(model, dt);

@@ -12,10 +12,10 @@ namespace schuler::ins::detail {
 /// integral of Exp(-[zeta x] t/T) C_rb(0) C_b(0)b(t) f, to second order in the rotations. q_rb: attitude at the start.
 /// With u = C_rb dv it is u - 1/2 zeta x (u + 1/6 (theta - 2 zeta) x u): exact to that order for constant rates, in particular
 /// for a body at rest on the turning Earth.
-[[nodiscard]] inline math::Triple velocity_increment_in(const math::Quad& q_rb, const CompensatedIncrement& increment,
+[[nodiscard]] inline math::Triple velocity_increment_in(const Eigen::Quaterniond& q_rb, const CompensatedIncrement& increment,
                                                         const math::Triple& zeta) {
-    const math::RotationRows C(q_rb);  // cheaper than two rotations by the quaternion
-    const math::Triple u = C * math::Triple(increment.dv), theta = C * math::Triple(increment.theta);
+    const Eigen::Matrix3d C = q_rb.toRotationMatrix();  // cheaper than two rotations by the quaternion
+    const math::Triple u = math::product(C, math::Triple(increment.dv)), theta = math::product(C, math::Triple(increment.theta));
     const math::Triple mean = u + (1.0 / 6) * (theta - 2.0 * zeta).cross(u);
     return u - 0.5 * zeta.cross(mean);
 }
