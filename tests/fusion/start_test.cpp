@@ -202,5 +202,62 @@ TEST(Still, IsFoundFromTheMeansOfTheRangesOwnVelocities) {
     for (const StillWindow& w : windows) EXPECT_LT(truth_at(recording, w.end).velocity_n.norm(), 0.01) << w.end.seconds();
 }
 
+// Ten velocities a second, each of which errs by as much as a slow walk: their means over a second tell rest.
+TEST(Still, IsFoundFromTheMeansOfNoisyVelocities) {
+    sim::Scenario scenario = town_drive(5, 10.0, 150.0);
+    shake(scenario);
+    std::get<sim::RoutePath>(scenario.path).standstill = 20.0;
+    scenario.gnss.white_velocity.setConstant(0.1);
+    const Recording recording = sim::simulate(scenario).recording;
+    const RunData data = data_of(recording, settings_of(scenario));
+    double rest = 0.0;
+    for (const StillWindow& w : data.still.windows) {
+        if ((w.end - scenario.origin).seconds() < 20.0) rest += w.length;
+        EXPECT_LT(truth_at(recording, w.end).velocity_n.norm(), 0.5) << (w.end - scenario.origin).seconds();
+    }
+    EXPECT_GT(rest, 15.0);
+}
+
+// A walker's antenna swings: a velocity that is late by a seventh of a period looks like a heading that is wrong by a seventh of a turn.
+TEST(Latency, OfASwingingAntennaIsNotTakenForTheHeading) {
+    for (const std::uint64_t seed : {1u, 2u}) {
+        sim::Scenario s;
+        s.seed = seed;
+        s.duration = 200.0;
+        s.origin = Time::from_seconds(1000.0);
+        sim::RoutePath route;
+        route.start = {14.1 * deg, 76.8 * deg, 950.0};
+        route.waypoints = {{30.0, -25.0, 0.0, 1.4},
+                           {20.0, -70.0, 0.0, 1.2},
+                           {-20.0, -80.0, 0.0, 1.3},
+                           {-60.0, -50.0, 0.0, 1.1},
+                           {-110.0, -60.0, 0.0, 1.4}};
+        route.knot_spacing = 1.0;
+        route.standstill = 15.0;
+        route.corner_radius = 3.0;
+        route.lateral_accel = 1.0;
+        route.longitudinal_accel = 0.6;
+        route.vibration = {1.5, 4.5 * deg, 1.4};
+        s.path = route;
+        s.imu.errors = sensor::imu_grade("consumer");
+        s.gnss.rate = 10.0;
+        s.gnss.white_position = {0.4, 0.4, 0.6};
+        s.gnss.white_velocity = {0.05, 0.05, 0.08};
+        s.gnss.velocity_latency = 0.1;
+        s.gnss.lever_arm_b = {0.1, 0.0, -0.5};
+        const Recording recording = sim::simulate(s).recording;
+        Settings f = settings_of(s);
+        f.vehicle = VehicleKind::Hand;
+        f.gnss.latency_std = f.gnss.velocity_latency_std = 0.15;
+        const Result result = fuse(recording, f);
+        const SolutionRow &first = result.forward.rows.front(), &last = result.forward.rows.back();
+        for (const SolutionRow* row : {&first, &last}) {
+            const double off = math::wrap_pi(row->rpy.z() - truth_at(recording, row->time).rpy.z());
+            EXPECT_LT(std::abs(off), std::max(4.0 * row->std_rpy.z(), 5.0 * deg)) << seed << " " << off / deg;
+            EXPECT_LT(row->std_rpy.z(), 15.0 * deg) << seed;
+        }
+    }
+}
+
 }  // namespace
 }  // namespace schuler::fusion

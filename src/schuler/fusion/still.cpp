@@ -14,6 +14,7 @@ using Eigen::Vector3d;
 
 using Slot = StillSlot;
 constexpr double slot_length = StillSlot::length;
+constexpr double no_limit = std::numeric_limits<double>::infinity(), slow_mean = 0.1;  // m/s
 
 std::vector<Slot> make_slots(const ImuTimeline& imu) {
     std::vector<Slot> slots;
@@ -122,22 +123,37 @@ bool add_slow_speeds(std::vector<Slot>& slots, const Recording& recording, const
     return told;
 }
 
-/// Velocities from range rates are individually too noisy to detect rest: uses the magnitudes of their means over some seconds,
-/// if those are sufficiently accurate.
-void set_mean_speeds(std::vector<Slot>& slots, const Recording& recording, const std::vector<Event>& events) {
-    constexpr double half = 10.0, sharp = 0.05;  // s, m/s
-    struct Point {
-        double t;
-        Eigen::Vector2d v;
-        double variance;
-    };
-    std::vector<Point> points;
+struct VelocityPoint {
+    double t;           ///< s, from the start of the first slot
+    Eigen::Vector2d v;  ///< m/s, north and east
+    double variance;    ///< m^2/s^2, sum of both
+};
+
+std::vector<VelocityPoint> horizontal_velocities(const std::vector<Slot>& slots, const Recording& recording,
+                                                 const std::vector<Event>& events) {
+    std::vector<VelocityPoint> points;
     for (const Event& e : events) {
         if (e.withheld || e.kind != AidKind::GnssVelocity || (e.components & 3) != 3) continue;
         const GnssFix& fix = recording.gnss[e.index];
         const double t = (e.valid - slots.front().end).seconds() + slot_length;
         points.push_back({t, fix.velocity_n.head<2>(), fix.std_velocity.head<2>().squaredNorm()});
     }
+    return points;
+}
+
+/// Noise of a component of the velocities as they show it where they vary least, m/s: right if a tenth of the log is at rest, else too
+/// large. Stated sigmas may be missing or wrong.
+double velocity_noise(const std::vector<VelocityPoint>& points) {
+    std::vector<double> second;
+    for (std::size_t i = 2; i < points.size(); ++i)
+        second.push_back((points[i].v - 2.0 * points[i - 1].v + points[i - 2].v).cwiseAbs().maxCoeff());
+    // the larger of two normal deviates' magnitudes is below 0.407 sigma in a tenth of all cases
+    return second.size() < 20 ? no_limit : quantile(second, 0.1) / 0.407 / std::sqrt(6.0);
+}
+
+/// Velocities that are individually too noisy to detect rest: the magnitudes of their means within `half` (s) on each side, if those
+/// are accurate to `sharp` (m/s).
+void set_mean_speeds(std::vector<Slot>& slots, const std::vector<VelocityPoint>& points, double half, double sharp) {
     std::size_t low = 0, high = 0;
     for (std::size_t k = 0; k < slots.size(); ++k) {
         const double t = slot_length * (static_cast<double>(k) + 0.5);
@@ -154,6 +170,20 @@ void set_mean_speeds(std::vector<Slot>& slots, const Recording& recording, const
         }
         if (std::sqrt(variance) / n < sharp) slots[k].speed = sum.norm() / n;
     }
+}
+
+/// Speeds of a receiver with noisy velocities, as means over the shortest sufficient time. False if there is none.
+bool set_smoothed_speeds(std::vector<Slot>& slots, const Recording& recording, const std::vector<Event>& events) {
+    constexpr double sharp = 0.03, shortest = 0.5, longest = 5.0;  // m/s, s, s
+    std::vector<VelocityPoint> points = horizontal_velocities(slots, recording, events);
+    if (points.size() < 20) return false;
+    const double noise = velocity_noise(points), span = points.back().t - points.front().t;
+    const double interval = span / static_cast<double>(points.size() - 1);
+    const double half = std::max({shortest, interval * noise * noise / (sharp * sharp), 2.5 * interval});
+    if (!(half < longest)) return false;
+    for (VelocityPoint& p : points) p.variance = 2.0 * noise * noise;
+    set_mean_speeds(slots, points, half, 2.0 * sharp);
+    return true;
 }
 
 /// A quarter above the variation of the slots that are calm according to their speeds; zero if there are too few.
@@ -196,8 +226,6 @@ StillThresholds learn(const std::vector<Slot>& slots, double share) {
     return {};
 }
 
-constexpr double no_limit = std::numeric_limits<double>::infinity(), slow_mean = 0.1;  // m/s
-
 /// Standstill windows; with a `limit` (m/s) only if a speed is known and below it.
 std::vector<StillWindow> windows_of(const std::vector<Slot>& slots, const StillThresholds& thresholds, const Settings& settings,
                                     double limit) {
@@ -227,10 +255,13 @@ StillReport find_still(const ImuTimeline& imu, const Recording& recording, const
     add_speeds(slots, recording, events, settings);
     const bool coarse = add_slow_speeds(slots, recording, events, settings);
     report.thresholds = learn(slots, coarse ? 0.25 : 0.001);
+    if (!report.thresholds.learnt && !coarse && !uses_ranges(settings.coupling) && !slots.empty() &&
+        set_smoothed_speeds(slots, recording, events))
+        report.thresholds = learn(slots, 0.001);
     if (report.thresholds.learnt) report.windows = windows_of(slots, report.thresholds, settings, no_limit);
     // If the variation is not sufficient, ranges alone can be: a stop shown by their speeds.
     if (report.windows.empty() && uses_ranges(settings.coupling) && !recording.ranges.empty() && !slots.empty()) {
-        set_mean_speeds(slots, recording, events);
+        set_mean_speeds(slots, horizontal_velocities(slots, recording, events), 10.0, 0.05);
         const StillThresholds calm = calm_thresholds(slots);
         if (calm.force_std > 0.0) report.windows = windows_of(slots, calm, settings, slow_mean);
     }

@@ -173,9 +173,10 @@ SCHULER_ARCHIVED(GatheredMotion, time, distance, force, force2, acceleration, ro
                  gain_v_g, gain_p_g, gain_v_a, gain_p_a, gyro, accel)
 SCHULER_ARCHIVED(StateProcess, decay, psd)
 SCHULER_ARCHIVED(Withheld, change, limit, covered, noise)
-SCHULER_ARCHIVED(RecentRate, mean, square, acceleration_square)
-SCHULER_ARCHIVED_IN_FRAME(InertialFilter, nav, parameters, error, P, gathered, used, C, previous, w_ib_b, recent_rate, mean_force,
-                          recent_force, antenna_moved, arm_turned, withheld, cached_time, cached_diagonal, cached_q, slot_process)
+SCHULER_ARCHIVED(RecentChange, mean, square, derivative_square)
+SCHULER_ARCHIVED_IN_FRAME(InertialFilter, nav, parameters, error, P, gathered, used, C, previous, w_ib_b, slow_rate, recent_rate,
+                          force_change, last_force, mean_force, recent_force, antenna_moved, arm_turned, withheld, cached_time,
+                          cached_diagonal, cached_q, slot_process)
 SCHULER_ARCHIVED(estim::Row, head, index, value, count)
 SCHULER_ARCHIVED(Measurement, dof, rows, innovation, variance)
 SCHULER_ARCHIVED(CarriedFix, measurement, corrected, rows, left, stamp, next, every)

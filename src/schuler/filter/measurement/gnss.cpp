@@ -54,13 +54,17 @@ Measurement gnss_velocity(const Estimate& e, const Vector3d& measured, const Vec
                           int latency, Components use) {
     const Vector3d l_b = lever_arm(e, lever_arm_b);
     const Vector3d w_eb_b = rate_to_earth(e);
-    const Vector3d s_n = e.C_nb * w_eb_b.cross(l_b);
-    const Vector3d difference = e.nav.v_eb_n + s_n - measured;
+    const double late = latency >= 0 ? e.parameters(latency) : 0.0;  // s: the fix gives the antenna as it was so long before
+    // The antenna turns about the unit: in a vibration, most of its acceleration.
+    const Vector3d turned = w_eb_b.cross(l_b), turning = e.angular_acceleration.cross(l_b) + w_eb_b.cross(turned);
+    const Vector3d a_n = e.a_n + e.C_nb * turning, s_n = e.C_nb * (turned - late * turning);
+    const Vector3d difference = e.nav.v_eb_n - late * e.a_n + s_n - measured;
     Matrix3d by_attitude = skew(s_n);
     by_attitude.col(2) =
         for_heading(s_n, Vector3d::UnitZ(), e.heading_unknown * e.uncertain_rate * l_b.norm()).cross(Vector3d::UnitZ());
-    const Matrix3d by_gyro_bias = e.C_nb * skew(l_b);
-    const Matrix3d by_lever_arm = e.C_nb * skew(for_lever_arm(w_eb_b, e.uncertain_rate));
+    const Matrix3d by_gyro_bias = e.C_nb * (skew(l_b) - late * (skew(turned) + skew(w_eb_b) * skew(l_b)));
+    const Vector3d rate = for_lever_arm(w_eb_b - late * e.angular_acceleration, e.uncertain_rate);
+    const Matrix3d by_lever_arm = e.C_nb * (skew(rate) - late * skew(rate) * skew(rate));
     Measurement m;
     for (int axis = 0; axis < 3; ++axis) {
         if (!use[axis]) continue;
@@ -71,10 +75,7 @@ Measurement gnss_velocity(const Estimate& e, const Vector3d& measured, const Vec
         attitude_of(row) = by_attitude.row(axis).transpose();
         row.add3(Layout::gyro_bias, by_gyro_bias.row(axis).transpose());
         if (e.layout.lever_arm >= 0) row.add3(e.layout.lever_arm, by_lever_arm.row(axis).transpose());
-        if (latency >= 0) {
-            m.innovation(m.dof - 1) -= e.parameters(latency) * e.a_n(axis);
-            row.add(latency, -e.a_n(axis));
-        }
+        if (latency >= 0) row.add(latency, -a_n(axis));
         if (e.layout.gnss_velocity >= 0) {
             m.innovation(m.dof - 1) += e.parameters(e.layout.gnss_velocity + axis);
             row.add(e.layout.gnss_velocity + axis, 1.0);

@@ -22,7 +22,8 @@ struct Estimate {
     Layout layout;
     NavState nav;
     Eigen::Matrix3d C_nb;
-    Eigen::Vector3d w_ib_b;        ///< rad/s, corrected for the gyro errors
+    Eigen::Vector3d w_ib_b;                                          ///< rad/s, corrected for the gyro errors
+    Eigen::Vector3d angular_acceleration = Eigen::Vector3d::Zero();  ///< rad/s^2, body axes; 0 without a lever arm or a latency
     double rate_variance = 0.0;    ///< rad^2/s^2, InertialFilter::rate_variance of it; 0 without a lever arm
     double uncertain_rate = 0.0;   ///< rad/s: InertialFilter::uncertain_rate of it; likewise
     double heading_unknown = 0.0;  ///< from 0 to 1 (heading_force.h)

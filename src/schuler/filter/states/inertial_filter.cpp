@@ -120,7 +120,18 @@ void InertialFilter<Frame>::propagate(const InertialModel& model, const ImuIncre
     if (previous.dt > 0.0) {
         const Triple acceleration = (2.0 / (dt + previous.dt)) * (rate - (1.0 / previous.dt) * Triple(previous.dtheta));
         w_ib_b = (rate + 0.5 * dt * acceleration).vector();
-        if (model.eccentric()) recent_rate.add(rate.vector(), acceleration.vector(), dt);
+        if (model.eccentric()) {
+            recent_rate.add(rate.vector(), acceleration.vector(), dt);
+            slow_rate = (Triple(slow_rate) + (dt / (rate_memory + dt)) * (rate - Triple(slow_rate))).vector();
+        }
+    }
+    if (model.late()) {
+        const Vector3d force_now = (by_dt * Triple(df)).vector();
+        if (previous.dt > 0.0) {
+            const Vector3d derivative = ((2.0 / (dt + previous.dt)) * (Triple(force_now) - Triple(last_force))).vector();
+            force_change.add(force_now, derivative, dt);
+        }
+        last_force = force_now;
     }
     previous = inc;
     const Triple force(df), known(recent_force);
@@ -199,7 +210,15 @@ double InertialFilter<Frame>::rate_variance(const InertialModel& model) const {
         const double estimate = parameters(latency) - error(latency);
         late += P(latency, latency) + estimate * estimate;
     }
-    return extrapolated * model.gyro_psd / dt + recent_rate.change_square(late, model.gyro_psd, dt);
+    return extrapolated * model.gyro_psd / dt + recent_rate.change_square(late, model.gyro_psd, dt).sum();
+}
+
+template <class Frame>
+Vector3d InertialFilter<Frame>::force_change_square(const InertialModel& model, double time2) const {
+    if (!(previous.dt > 0.0)) return Vector3d::Zero();
+    const Vector3d change = force_change.change_square(time2, model.accel_psd, previous.dt);
+    if constexpr (Frame::errors_are_geographic) return change;
+    else return Frame::C_en(model.earth, nav).transpose().cwiseAbs2() * change;
 }
 
 template <class Frame>
@@ -443,6 +462,7 @@ Estimate InertialFilter<Frame>::estimate(const InertialModel& model) const {
     if (model.eccentric()) {
         e.rate_variance = rate_variance(model);
         e.uncertain_rate = uncertain_rate(e.rate_variance);
+        if (model.late() && previous.dt > 0.0) e.angular_acceleration = (previous.dtheta / previous.dt - slow_rate) / rate_memory;
     }
     e.heading_unknown = heading_unknown(heading_variance(model));
     const Vector3d force_n = Frame::errors_are_geographic

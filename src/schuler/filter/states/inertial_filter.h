@@ -12,7 +12,7 @@
 #include "schuler/filter/states/gathered_motion.h"
 #include "schuler/filter/states/heading_force.h"
 #include "schuler/filter/states/layout.h"
-#include "schuler/filter/states/recent_rate.h"
+#include "schuler/filter/states/recent_change.h"
 #include "schuler/sensor/grades.h"
 
 #include <Eigen/Core>
@@ -58,6 +58,7 @@ struct InertialModel {
     /// Sets the process of `count` states starting at an offset; no effect if the offset is negative.
     void set_process(int offset, int count, StateProcess process_);
     [[nodiscard]] bool eccentric() const { return layout.lever_arm >= 0 || !lever_arm_b.isZero(0.0); }
+    [[nodiscard]] bool late() const { return layout.gnss_latency >= 0 || layout.gnss_velocity_latency >= 0; }
 };
 
 /// Additional noise of a step over bridged data (IMU gap), added to the densities of the model.
@@ -69,6 +70,8 @@ struct BridgeNoise {
 
 /// s, time constant of the specific force used in rows with a latency: the averaging time of a receiver's velocity.
 inline constexpr double force_memory = 0.05;
+/// s, time constant of the mean rate whose difference from the rate gives the angular acceleration: shorter, as an antenna follows it.
+inline constexpr double rate_memory = 0.02;
 
 /// Plain and copyable: a copy is a saved filter.
 template <class Frame>
@@ -83,7 +86,10 @@ struct InertialFilter {
     Eigen::Matrix3d C = Eigen::Matrix3d::Identity();                                   ///< body to frame, of nav
     ImuIncrement previous{{}, 0.0, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};  ///< corrected for the sensor errors
     Eigen::Vector3d w_ib_b = Eigen::Vector3d::Zero();      ///< corrected rate at the end of the last step, rad/s
-    RecentRate recent_rate;                                ///< with a lever arm
+    Eigen::Vector3d slow_rate = Eigen::Vector3d::Zero();   ///< of the rate, exponential mean over rate_memory, rad/s, likewise
+    RecentChange recent_rate;                              ///< of the rate, rad/s, with a lever arm
+    RecentChange force_change;                             ///< of the specific force, frame axes, m/s^2, with a latency
+    Eigen::Vector3d last_force = Eigen::Vector3d::Zero();  ///< of the last increment, likewise
     Eigen::Vector3d mean_force = Eigen::Vector3d::Zero();  ///< specific force over the last interval, frame axes, m/s^2
     Eigen::Vector3d recent_force =
         Eigen::Vector3d::Zero();  ///< the same as an exponential mean over force_memory, independent of the intervals
@@ -125,6 +131,8 @@ struct InertialFilter {
     /// Two sigma of a rate of this variance, rad/s: the motion of a lever arm at a lower one tells nothing.
     [[nodiscard]] double uncertain_rate(double rate_variance) const;
     [[nodiscard]] double heading_variance(const InertialModel& model) const;  ///< rad^2
+    /// Mean square change of the specific force within a time of mean square `time2` (s^2), local level, m^2/s^4.
+    [[nodiscard]] Eigen::Vector3d force_change_square(const InertialModel& model, double time2) const;
 
     // The following functions require the covariance at the time of the nominal state.
 

@@ -19,8 +19,9 @@
 namespace schuler::filter {
 
 /// Variances of terms neglected in a row linear in the latency: its error times that of the velocity (in positions) and of the
-/// acceleration, which depends on the level (in velocities). After an outage, and before the level is known, they exceed the
-/// receiver's noise; neglecting them would bias the latency (Maybeck 1982, section 12.3: modified second-order filter).
+/// acceleration, which depends on the level (in velocities), and the change of velocity and acceleration within it. After an outage,
+/// before the level is known, and under vibration they exceed the receiver's noise; neglecting them would bias the latency, and the
+/// heading with it (Maybeck 1982, section 12.3: modified second-order filter).
 template <class Frame>
 Eigen::Matrix<double, 9, 1> Pass<Frame>::of_latency(const InertialFilter<Frame>& filter, const Estimate& e, int state) const {
     const Matrix9 P = filter.local_covariance(model_);
@@ -29,7 +30,13 @@ Eigen::Matrix<double, 9, 1> Pass<Frame>::of_latency(const InertialFilter<Frame>&
     Eigen::Matrix<double, 9, 1> out = Eigen::Matrix<double, 9, 1>::Zero();
     out.template segment<3>(Layout::position) = P.diagonal().template segment<3>(Layout::velocity);
     out.template segment<3>(Layout::velocity) = (by_attitude * attitude * by_attitude.transpose()).diagonal();
-    return filter.P(state, state) * out;
+    const double variance = filter.P(state, state), estimate = e.parameters(state);
+    out *= variance;
+    // The fourth moment of a Gaussian latency is 3 variance^2. The velocity changes by half of what the acceleration changes within it.
+    out.template segment<3>(Layout::position) += 0.75 * variance * variance * e.a_n.cwiseAbs2();
+    const double time2 = variance + estimate * estimate;
+    out.template segment<3>(Layout::velocity) += time2 * filter.force_change_square(model_, 0.75 * time2);
+    return out;
 }
 
 template <class Frame>

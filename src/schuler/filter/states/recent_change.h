@@ -1,0 +1,39 @@
+// How much a quantity of the motion, the angular rate or the specific force, changes within a short time that is not known exactly.
+//
+// Its derivative at one instant does not tell: at the peak of a vibration it is zero, and a hundredth of a second later the quantity has
+// the other sign. The mean square of the derivative over the last fifth of a second does; for times longer than the period of a
+// vibration, twice the variance of the quantity bounds it.
+#pragma once
+
+#include <Eigen/Core>
+
+#include <algorithm>
+
+namespace schuler::filter {
+
+/// Exponential means over `memory` of a quantity with the unit u, axis by axis.
+struct RecentChange {
+    static constexpr double memory = 0.2;  ///< s
+
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();               ///< u
+    Eigen::Vector3d square = Eigen::Vector3d::Zero();             ///< u^2, mean square
+    Eigen::Vector3d derivative_square = Eigen::Vector3d::Zero();  ///< u^2/s^2, mean square of the derivative
+
+    /// value (u) and derivative (u/s) over the last `dt` (s).
+    void add(const Eigen::Vector3d& value, const Eigen::Vector3d& derivative, double dt) {
+        const double weight = dt / (memory + dt);
+        mean += weight * (value - mean);
+        square += weight * (value.cwiseAbs2() - square);
+        derivative_square += weight * (derivative.cwiseAbs2() - derivative_square);
+    }
+
+    /// Mean square change within a time of mean square `time2` (s^2), beyond that of white noise of the density `psd` (u^2 s) in
+    /// samples of `dt` (s); u^2.
+    [[nodiscard]] Eigen::Vector3d change_square(double time2, double psd, double dt) const {
+        const Eigen::Array3d derivative = derivative_square.array() - 2.0 * psd / (dt * dt * dt);
+        const Eigen::Array3d variance = square.array() - mean.array().square() - psd / dt;
+        return (time2 * derivative).min(2.0 * variance).max(0.0).matrix();
+    }
+};
+
+}  // namespace schuler::filter
