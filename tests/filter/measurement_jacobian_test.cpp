@@ -15,7 +15,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 #include <random>
 #include <string>
 #include <vector>
@@ -250,28 +249,6 @@ TEST(Aids, VariancesGoWithTheirComponents) {
 }
 
 // Innovations are zero for perfect measurements, made by other formulas: in the Earth-fixed frame, with a turning antenna.
-/// A velocity of an instant ago is that of the antenna then, which turned about the unit at another rate.
-TEST(Aids, ALateVelocityIsThatOfTheAntenna) {
-    for (const Point& p : random_points(20)) {
-        Estimate e = p.truth;
-        e.layout.gnss_velocity = -1;
-        e.a_n = Vector3d(0.5, -0.3, 0.2);
-        e.angular_acceleration = Vector3d(2.0, -3.0, 1.0);
-        constexpr double late = 1e-4;  // s
-        e.parameters(e.layout.gnss_velocity_latency) = late;
-        Estimate then = e;
-        then.nav.v_eb_n -= late * e.a_n;
-        then.C_nb = e.C_nb * math::quaternion_from_rotation_vector(-late * rate_to_earth(e)).toRotationMatrix();
-        then.w_ib_b -= late * e.angular_acceleration;
-        const Vector3d v_n = -gnss_velocity(then, Vector3d::Zero(), variance, unused_arm, -1, {}).innovation;
-        const Measurement m = gnss_velocity(e, -v_n, variance, unused_arm, e.layout.gnss_velocity_latency, {});
-        EXPECT_LT(m.innovation.norm(), 2.0e-6) << p.name;  // of 3e-4 m/s
-        for (int i = 0; i < 3; ++i)
-            EXPECT_NEAR(m.rows[static_cast<std::size_t>(i)](e.layout.gnss_velocity_latency),
-                        (v_n + gnss_velocity(e, Vector3d::Zero(), variance, unused_arm, -1, {}).innovation)(i) / -late, 0.02);
-    }
-}
-
 TEST(Aids, PerfectMeasurementsHaveNoInnovation) {
     for (const Point& p : random_points(20)) {
         Estimate e = p.truth;
@@ -471,35 +448,6 @@ SCHULER_JACOBIAN(ecef_velocity, "filter.gnss_velocity_ecef") {
 }
 SCHULER_JACOBIAN(ecef_nonholonomic, "filter.nonholonomic_ecef") {
     return mapped_models<EarthFixedFrame>([](const Estimate&, const Estimate& e) { return nonholonomic(e, 0.1, 0.2); }, 3e-4);
-}
-
-/// A body that swings north and south: its force changes by so much within a latency, in the axes of the local level.
-template <class Frame>
-void expect_change_of_swing() {
-    Estimate e = random_points(1)[0].truth;
-    e.nav.v_eb_n.setZero();
-    e.nav.q_nb.setIdentity();
-    e.parameters.setZero();
-    InertialModel model = model_of(e);
-    model.accel_psd = 0.0;  // the force below has no noise
-    InertialFilter<Frame> f = filter_at<Frame>(e);
-    constexpr double dt = 0.01, w = 2.0 * std::numbers::pi * 1.0, amplitude = 1.0;  // s, rad/s, m/s^2
-    Vector3d brief = Vector3d::Zero(), most = brief;                                // means over a period
-    for (int i = 0; i < 1000; ++i) {
-        const Vector3d force(amplitude * std::sin(w * i * dt), 0.0, -9.8);
-        f.propagate(model, {e.nav.time + Duration::from_seconds(i * dt), dt, Vector3d::Zero(), dt * force}, {});
-        if (i < 900) continue;
-        brief += f.force_change_square(model, 0.02 * 0.02) / 100.0;
-        most += f.force_change_square(model, 100.0) / 100.0;
-    }
-    EXPECT_NEAR(std::sqrt(brief.sum()), 0.02 * w * amplitude / std::sqrt(2.0), 0.01);
-    EXPECT_NEAR(std::sqrt(most.sum()), 0.8 * amplitude, 0.15);  // less than all of it: the mean follows the swing
-    // squares do not tell the signs: turned from the axes of the Earth, a part appears in the other directions
-    EXPECT_LT(most.tail<2>().sum(), (Frame::errors_are_geographic ? 1e-3 : 1.0) * most.x());
-}
-TEST(Propagation, ChangeOfTheForceInASwing) {
-    expect_change_of_swing<GeographicFrame>();
-    expect_change_of_swing<EarthFixedFrame>();
 }
 
 // Biases: a first-order process keeps its variance, a random walk has 2 sigma^2 / time per second; white noise per step.

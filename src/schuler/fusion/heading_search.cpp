@@ -61,13 +61,43 @@ void mix(const std::vector<Trial>& trials, HeadingSearch& search) {
     search.best = trials.front().found;
 }
 
+/// Fixes with a time uncertainty of some tenths of a second are wrong by the distance travelled, and the velocity change, in that
+/// time. Added to the noise of the fixes, because the effect of a wrong attitude is far larger.
+void allow_for_latency(RunData& data, const GnssSettings& gnss) {
+    const double of_velocity = gnss.velocity_latency_std > 0.0 ? gnss.velocity_latency_std : gnss.latency_std;
+    if (!(gnss.latency_std > 0.0 || of_velocity > 0.0)) return;
+    constexpr double apart = 0.4;  // s, least interval between fixes for a rate of change
+    const std::vector<GnssFix>& fixes = data.recording->gnss;
+    const earth::Earth earth;
+    std::size_t before = 0, after = 0;
+    for (std::size_t i = 0; i < fixes.size(); ++i) {
+        while (before + 1 < i && (fixes[i].time - fixes[before + 1].time).seconds() > apart) ++before;
+        after = std::max(after, i);
+        while (after + 1 < fixes.size() && (fixes[after].time - fixes[i].time).seconds() < apart) ++after;
+        const double dt = (fixes[after].time - fixes[before].time).seconds();
+        if (!(dt > 0.0)) continue;
+        const Vector3d travelled = earth::ned_difference(earth, fixes[after].position, fixes[before].position) / dt;
+        const Vector3d gained = (fixes[after].velocity_n - fixes[before].velocity_n) / dt;
+        for (int k = 0; k < 3; ++k) {
+            FixNoise& noise = data.fix_noise[i];
+            const auto widen = [](double& sigma, double late, double rate) {
+                if (std::isfinite(rate)) sigma = std::hypot(sigma, late * rate);
+            };
+            for (double* sigma : {&noise.position(k), &noise.white_position(k)}) widen(*sigma, gnss.latency_std, travelled(k));
+            for (double* sigma : {&noise.velocity(k), &noise.white_velocity(k)}) widen(*sigma, of_velocity, gained(k));
+        }
+    }
+}
+
 }  // namespace
 
 HeadingSearch search_heading(const RunData& all, const Settings& settings, const Start& given, const Level& level, Time motion,
                              const std::optional<HeadingWitness>& witness) {
-    const RunData data = gnss_only(all);
+    RunData data = gnss_only(all);
+    allow_for_latency(data, settings.gnss);
     Settings settings_of_trial = trial_settings(settings);
-    // Where the unit or the antenna is shaken, a wrong latency looks like a wrong heading: the trials estimate both.
+    // Where the unit or the antenna is shaken, a wrong latency looks like a wrong heading, and does so at each fix: the trials estimate
+    // both, beside the noise.
     settings_of_trial.gnss.latency_std = settings.gnss.latency_std;
     settings_of_trial.gnss.velocity_latency_std = settings.gnss.velocity_latency_std;
     Start start = given;

@@ -127,10 +127,7 @@ void InertialFilter<Frame>::propagate(const InertialModel& model, const ImuIncre
     }
     if (model.late()) {
         const Vector3d force_now = (by_dt * Triple(df)).vector();
-        if (previous.dt > 0.0) {
-            const Vector3d derivative = ((2.0 / (dt + previous.dt)) * (Triple(force_now) - Triple(last_force))).vector();
-            force_change.add(force_now, derivative, dt);
-        }
+        if (previous.dt > 0.0) force_change.add(force_now, (2.0 / (dt + previous.dt)) * (force_now - last_force), dt);
         last_force = force_now;
     }
     previous = inc;
