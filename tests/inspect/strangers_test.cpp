@@ -92,6 +92,26 @@ TEST(Strangers, APartThatIsNotJoinedIsTold) {
     EXPECT_TRUE(has_doubt(name, "[imu] parts = [\"later.csv\"]"));
 }
 
+TEST(Strangers, DatesWhoseDayAndMonthDoNotShowAreRefused) {
+    for (const auto& [date, open] : {std::pair("05/03/2024", true), std::pair("13/03/2024", false),
+                                     std::pair("05/05/2024", false), std::pair("2024/05/03", false)}) {
+        const auto folder = fresh_folder("open_dates");
+        std::vector<std::string> imu{"time,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2"};
+        for (int i = 0; i < 200; ++i) imu.push_back(fmt::format("{} 14:00:{:05.2f},0,0,0,0,0,-9.8", date, 0.01 * i));
+        write_lines(folder / "imu.csv", imu);
+        const InspectReport r = inspect(folder);
+        const auto& problems = r.files.front().problems;
+        EXPECT_EQ(std::ranges::any_of(problems,
+                                      [](const Problem& p) {
+                                          return p.level == Level::Error &&
+                                                 p.text.find("in line 2 is 2024-03-05 (day first) or 2024-05-03 (month first)") !=
+                                                     std::string::npos;
+                                      }),
+                  open)
+            << date;
+    }
+}
+
 TEST(Strangers, ASecondUnitIsNoOtherPart) {
     const auto folder = fresh_folder("second_unit");
     write_car(folder, {});

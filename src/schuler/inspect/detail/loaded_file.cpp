@@ -5,6 +5,7 @@
 #include "schuler/io/text/fix_codes.h"
 #include "schuler/io/text/held_rows.h"
 #include "schuler/io/text/lonely_samples.h"
+#include "schuler/io/text/open_dates.h"
 #include "schuler/io/text/repair_times.h"
 #include "schuler/io/text/table.h"
 
@@ -125,6 +126,9 @@ void read_table(LoadedFile& file, const io::TableLayout& layout) {
                      e.hint().empty() ? "copy the log completely, or delete the damaged line" : e.hint());
     }
     if (without_time > 0) {
+        if (const io::ColumnMatch* time = file.plan.find("time_s"); time != nullptr)
+            if (const std::string readings = io::readings_of_open_date(layout, time->column); !readings.empty())
+                file.problem(Level::Error, readings, "write the dates with the year first (2024-03-05 14:00:00.25)");
         file.problem(Level::Warning, fmt::format("{} rows without a usable time were left out", without_time),
                      "look at their time column");
     }
