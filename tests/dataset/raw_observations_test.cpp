@@ -3,6 +3,7 @@
 #include "schuler/core/error.h"
 #include "schuler/dataset/recognise.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -41,6 +42,14 @@ protected:
         if (!marker_type.empty()) out << header_line(marker_type, "MARKER TYPE");
         out << header_line("", "END OF HEADER");
     }
+    /// One satellite every ten seconds of an hour, from minute to minute.
+    void epochs(const std::string& name, int from, int to) const {
+        std::ofstream out(folder_ / name);
+        out << header_line("     3.04           OBSERVATION DATA    M: MIXED", "RINEX VERSION / TYPE")
+            << header_line("G    1 C1C", "SYS / # / OBS TYPES") << header_line("", "END OF HEADER");
+        for (int second = 60 * from; second < 60 * to; second += 10)
+            out << fmt::format("> 2024 05 01 12 {:02} {:02}.0000000  0  1\nG05  22000000.000\n", second / 60, second % 60);
+    }
     [[nodiscard]] std::string taken() const {
         const RawObservations raw = raw_observations(folder_);
         const auto it = std::ranges::find(raw.facts, "gnss.observations", &Fact::key);
@@ -54,6 +63,18 @@ TEST_F(RawObservationsTest, TheHeaderSaysWhichOneMoves) {
     observations("a.obs", "GEODETIC");
     observations("b.obs", "AIRBORNE");
     EXPECT_EQ(taken(), "\"b.obs\"");
+}
+
+TEST_F(RawObservationsTest, PartsOfOneLogAreTakenTogether) {
+    epochs("day_2.obs", 0, 10);
+    epochs("day_1.obs", 10, 20);
+    epochs("day_10.obs", 20, 30);
+    epochs("other.obs", 30, 40);
+    EXPECT_EQ(taken(), "[\"day_2.obs\", \"day_1.obs\", \"day_10.obs\"]") << "in order of time";
+    EXPECT_EQ(raw_observations(folder_).files.observations.size(), 3U);
+    epochs("day_1.obs", 0, 10);
+    fs::remove(folder_ / "day_10.obs");
+    EXPECT_EQ(taken(), "\"day_1.obs\"") << "two receivers at the same time";
 }
 
 TEST_F(RawObservationsTest, ElseTheNameDoes) {

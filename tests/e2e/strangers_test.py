@@ -2,6 +2,7 @@
 import csv
 import datetime
 import json
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -131,10 +132,14 @@ def strangers_told(program, source):
     summary = summary_of(program, "logs", "-o", "outage", "--outage", "5000:10", "--set", 'gnss.fix_codes={"9"="none"}', "--outputs", "summary")
     warned(summary, "the outage of 10 s at 5000 s has no effect")
     warned(summary, "gnss.fix_codes: 9 does not occur in gnss.csv")
+    shutil.copytree(folder / "logs", folder / "logs_whole")
     (folder / "logs/imu.csv").unlink()
     write_table(folder / "logs/imu_1.csv", header, rows[:len(rows) // 2])
     write_table(folder / "logs/imu_2.csv", header, rows[len(rows) // 2:])
-    warned(summary_of(program, "logs", "-o", "parts", "--outputs", "summary"), "imu_2.csv continues imu_1.csv", "not used")
+    whole, parts = summary_of(program, "logs_whole", "-o", "whole"), summary_of(program, "logs", "-o", "parts")
+    check(facts_of(parts)["imu.parts"]["value"] == ["imu_2.csv"], "the parts of a log are joined")
+    table = [(folder / name / "solution.csv").read_bytes() for name in ("whole", "parts")]
+    check(table[0] == table[1] and whole["facts"] != parts["facts"], "the solution is that of the whole log")
     serial = folder / "serial"
     serial.mkdir()
     for name in ("imu_1.csv", "gnss.csv"):

@@ -1,5 +1,6 @@
-"""Seeds of the binary readers: UBX and RTCM 3, encoded from the same invented elements as seeds_text.py, in round numbers."""
+"""Seeds of the binary readers: UBX, RTCM 3 and NovAtel, encoded from the same invented elements as seeds_text.py, in round numbers."""
 import struct
+import zlib
 
 from seeds_bits import CLOCK, TOW, WEEK, Bits, crc24q
 from seeds_frames import beidou_d1, beidou_d2, galileo_page, glonass_string, gps_subframe
@@ -119,6 +120,42 @@ def rtcm_log():
     return log + rtcm(Bits().put(1005, 12).put(0, 140))
 
 
+def novatel_crc(data):
+    return zlib.crc32(data, 0xFFFFFFFF) ^ 0xFFFFFFFF
+
+
+def novatel_binary(number, second, body):
+    log = struct.pack("<3sBHBBHHBBHIIHH", b"\xaa\x44\x12", 28, number, 0, 32, len(body), 0, 100, 180, WEEK, 1000 * (TOW + second), 0, 0, 0) + body
+    return log + struct.pack("<I", novatel_crc(log))
+
+
+def novatel_ascii(name, second, text):
+    log = b"%s,COM1,0,80.0,FINESTEERING,%d,%d.000,02000000,cdba,16809;%s" % (name, WEEK, TOW + second, text)
+    return b"#%s*%08x\r\n" % (log, novatel_crc(log))
+
+
+def novatel_log():
+    """Two satellites, GPS and GLONASS, in RANGE and twice in RANGECMP."""
+    log, locked = b"", 7 << 10
+    satellites = [(3, 0, locked, 1575.42e6), (42, 8, locked | 1 << 16, 1602.5625e6)]
+    for epoch in range(3):
+        full, packed = b"", []
+        for number, frequency, status, carrier in satellites:
+            code = 20e6 + 1e5 * number + 100.0 * epoch
+            phase = -code * carrier / 299792458.0
+            full += struct.pack("<HHdfdffffI", number, frequency, code, 0.1, phase, 0.01, -500.0, 45.0, 10.0 + epoch, status)
+            bits = status | (-500 * 256 & (1 << 28) - 1) << 32 | round(code * 128) << 60 | (round(phase * 256) & (1 << 32) - 1) << 96
+            bits |= number << 136 | 32 * (10 + epoch) << 144 | 25 << 165 | frequency << 170
+            packed.append(bits.to_bytes(24, "little"))
+        if epoch == 0:
+            log += novatel_binary(43, epoch, struct.pack("<I", len(satellites)) + full)
+        elif epoch == 1:
+            log += novatel_binary(140, epoch, struct.pack("<I", len(satellites)) + b"".join(packed))
+        else:
+            log += novatel_ascii(b"RANGECMPA", epoch, b"2," + b",".join(record.hex().encode() for record in packed))
+    return log
+
+
 def seeds():
-    """Name in corpus/receiver_logs, and bytes; the first chooses the reader of fuzz_receiver_logs.cpp (modulo 2)."""
-    return {"ubx": b"0" + ubx_log(), "rtcm3": b"1" + rtcm_log()}
+    """Name in corpus/receiver_logs, and bytes; the first chooses the reader of fuzz_receiver_logs.cpp (modulo 3)."""
+    return {"ubx": b"0" + ubx_log(), "rtcm3": b"1" + rtcm_log(), "novatel": b"2" + novatel_log()}

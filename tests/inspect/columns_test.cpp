@@ -76,7 +76,7 @@ TEST(Columns, FixesAreFoundBesideANamedImu) {
     write_car(folder, {});
     Given given;
     given.find_logs = given.find_imu = false;
-    given.imu = {folder / "imu.csv", "imu.csv", {}, {}, 0.0};
+    given.imu = {folder / "imu.csv", "imu.csv", {}, {}, 0.0, {}};
     given.keys = {"imu.file"};
     const InspectReport r = inspect(folder, given);
     ASSERT_NE(fact(r, "gnss.file"), nullptr);

@@ -22,8 +22,8 @@ constexpr const char* turned = "x=backward, y=right, z=up";
 /// The files of the car under their names, nothing else.
 Given named(const fs::path& folder) {
     Given given;
-    given.imu = {folder / "imu.csv", "imu.csv", {}, {}, 0.0};
-    given.gnss = {folder / "gnss.csv", "gnss.csv", {}, {}, 0.0};
+    given.imu = {folder / "imu.csv", "imu.csv", {}, {}, 0.0, {}};
+    given.gnss = {folder / "gnss.csv", "gnss.csv", {}, {}, 0.0, {}};
     given.keys = {"imu.file", "gnss.file"};
     given.find_logs = false;
     return given;
@@ -227,7 +227,7 @@ TEST(Given, TheImuIsFoundInTheLogWhoseFixesAreNamed) {
     const fs::path folder = fresh_folder("given_stream");
     write_file(folder / "drive.bag", bag_at_rest());
     Given given;
-    given.gnss = {folder / "drive.bag#gnss", "drive.bag#gnss", {}, {}, 0.0};
+    given.gnss = {folder / "drive.bag#gnss", "drive.bag#gnss", {}, {}, 0.0, {}};
     given.keys = {"gnss.file"};
     given.find_logs = given.find_aids = false;
     const InspectReport report = inspect(folder, given);

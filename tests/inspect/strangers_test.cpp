@@ -29,20 +29,87 @@ bool has_doubt(const InspectReport& report, const std::string& text) {
     return std::ranges::any_of(report.doubts, [&](const std::string& d) { return d.find(text) != std::string::npos; });
 }
 
-TEST(Strangers, TheOtherPartOfALogIsTold) {
-    const auto folder = fresh_folder("parts");
-    write_car(folder, {});
+/// imu.csv in two parts with the given names; the second begins `shift` rows behind the end of the first.
+std::vector<std::string> split_imu(const std::filesystem::path& folder, const std::string& first, const std::string& second,
+                                   int shift) {
     const std::vector<std::string> all = lines_of(folder / "imu.csv");
     const auto half = all.begin() + 6001;
-    write_lines(folder / "imu_1.csv", {all.begin(), half});
-    std::vector<std::string> second{all.front()};
-    second.insert(second.end(), half, all.end());
-    write_lines(folder / "imu_2.csv", second);
+    write_lines(folder / first, {all.begin(), half});
+    std::vector<std::string> rest{all.front()};
+    rest.insert(rest.end(), half + shift, all.end());
+    write_lines(folder / second, rest);
     std::filesystem::remove(folder / "imu.csv");
+    return rest;
+}
+
+TEST(Strangers, PartsOfALogAreJoined) {
+    const auto whole = fresh_folder("whole");
+    write_car(whole, {});
+    const InspectReport reference = inspect(whole);
+    for (const auto& [first, second] : {std::pair("imu_0001.csv", "imu_0002.csv"), std::pair("imu.csv.2", "imu.csv.1"),
+                                        std::pair("2024-05-01-part1.csv", "2024-05-01-part2.csv")}) {
+        SCOPED_TRACE(first);
+        const auto folder = fresh_folder("parts");
+        write_car(folder, {});
+        split_imu(folder, first, second, -50);
+        const InspectReport r = inspect(folder);
+        EXPECT_TRUE(sets(r, std::string("imu.file = \"") + first + '"'));
+        EXPECT_TRUE(sets(r, std::string("imu.parts = [\"") + second + "\"]"));
+        EXPECT_TRUE(has_problem(r, Level::Info, "are parts of one log and are joined; 0.5 s of"));
+        EXPECT_TRUE(r.doubts.empty()) << r.doubts.front();
+        ASSERT_EQ(r.motion.t.size(), reference.motion.t.size());
+        EXPECT_EQ(r.findings.size(), reference.findings.size());
+        const auto file = std::ranges::find(r.files, first, &FileReport::path);
+        ASSERT_NE(file, r.files.end());
+        EXPECT_EQ(file->rows, std::ranges::find(reference.files, "imu.csv", &FileReport::path)->rows);
+    }
+}
+
+TEST(Strangers, APauseBetweenPartsIsTold) {
+    const auto folder = fresh_folder("parts_pause");
+    write_car(folder, {});
+    split_imu(folder, "imu_1.csv", "imu_2.csv", 500);
     const InspectReport r = inspect(folder);
-    EXPECT_TRUE(sets(r, "imu.file = \"imu_1.csv\""));
-    EXPECT_TRUE(has_doubt(r, "imu_2.csv continues imu_1.csv"));
-    EXPECT_TRUE(has_problem(r, Level::Warning, "imu_2.csv continues imu_1.csv"));
+    EXPECT_TRUE(sets(r, "imu.parts = [\"imu_2.csv\"]"));
+    EXPECT_TRUE(has_doubt(r, "s are missing before imu_2.csv"));
+}
+
+TEST(Strangers, APartThatIsNotJoinedIsTold) {
+    const auto folder = fresh_folder("parts_other");
+    write_car(folder, {});
+    std::vector<std::string> rest = split_imu(folder, "imu_1.csv", "imu_2.csv", 0);
+    rest.front() += ",temperature";
+    for (std::size_t i = 1; i < rest.size(); ++i) rest[i] += ",20";
+    write_lines(folder / "imu_2.csv", rest);
+    const InspectReport columns = inspect(folder);
+    EXPECT_TRUE(sets(columns, "imu.file = \"imu_1.csv\""));
+    EXPECT_TRUE(has_doubt(columns, "imu_2.csv is named like a part of imu_1.csv, but has other columns: it is not used"));
+    std::filesystem::rename(folder / "imu_2.csv", folder / "later.csv");
+    rest.front() = lines_of(folder / "imu_1.csv").front();
+    write_lines(folder / "later.csv", rest);
+    const InspectReport name = inspect(folder);
+    EXPECT_TRUE(has_doubt(name, "later.csv continues imu_1.csv"));
+    EXPECT_TRUE(has_doubt(name, "[imu] parts = [\"later.csv\"]"));
+}
+
+TEST(Strangers, DatesWhoseDayAndMonthDoNotShowAreRefused) {
+    for (const auto& [date, open] : {std::pair("05/03/2024", true), std::pair("13/03/2024", false),
+                                     std::pair("05/05/2024", false), std::pair("2024/05/03", false)}) {
+        const auto folder = fresh_folder("open_dates");
+        std::vector<std::string> imu{"time,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2"};
+        for (int i = 0; i < 200; ++i) imu.push_back(fmt::format("{} 14:00:{:05.2f},0,0,0,0,0,-9.8", date, 0.01 * i));
+        write_lines(folder / "imu.csv", imu);
+        const InspectReport r = inspect(folder);
+        const auto& problems = r.files.front().problems;
+        EXPECT_EQ(std::ranges::any_of(problems,
+                                      [](const Problem& p) {
+                                          return p.level == Level::Error &&
+                                                 p.text.find("in line 2 is 2024-03-05 (day first) or 2024-05-03 (month first)") !=
+                                                     std::string::npos;
+                                      }),
+                  open)
+            << date;
+    }
 }
 
 TEST(Strangers, ASecondUnitIsNoOtherPart) {

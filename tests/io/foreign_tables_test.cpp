@@ -99,6 +99,21 @@ TEST_F(ForeignTables, DegreesAndMinutes) {
     const GnssTable south = read_gnss_csv(TextInput::memory(text, "gnss.csv"), {}, log);
     EXPECT_NEAR(south.fixes[0].position.lat, -(33.0 + 52.0 / 60.0) * units::deg, 1e-12);
     EXPECT_NEAR(south.fixes[0].position.lon, -(151.0 + 12.5 / 60.0) * units::deg, 1e-12);
+    // near the equator, and near Greenwich too: the longitude beyond 360 and all digits of NMEA show the form
+    for (const auto& [lat, lon] :
+         {std::pair("0030.5", "00130.25"), std::pair("30.5", "10130.25"), std::pair("30.5N", "10130.25E")}) {
+        text = "time_s,latitude,longitude,height\n";
+        for (int i = 0; i < 5; ++i) text += fmt::format("{},{},{},10\n", i, lat, lon);
+        const GnssTable equator = read_gnss_csv(TextInput::memory(text, "gnss.csv"), {}, log);
+        EXPECT_NEAR(equator.fixes[0].position.lat, 30.5 / 60.0 * units::deg, 1e-12) << lat;
+        EXPECT_NEAR(equator.fixes[0].position.lon, (lon[0] == '0' ? 1.0 : 101.0) * units::deg + 30.25 / 60.0 * units::deg, 1e-12);
+    }
+    // degrees with leading zeros, or minutes beyond 60, are degrees
+    for (const char* row : {"030.5,001.25", "0030.5,00165.25"}) {
+        text = fmt::format("time_s,latitude,longitude,height\n0,{0},10\n1,{0},10\n", row);
+        const GnssTable degrees = read_gnss_csv(TextInput::memory(text, "gnss.csv"), {}, log);
+        EXPECT_NEAR(degrees.fixes[0].position.lat, 30.5 * units::deg, 1e-12) << row;
+    }
     // a longitude under the latitude's name
     text = "time_s,latitude,longitude,height\n0,139.71,35.62,10\n1,139.71,35.62,10\n";
     EXPECT_NE(

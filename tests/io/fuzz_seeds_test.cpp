@@ -1,5 +1,6 @@
 // The seeds of the fuzz targets are files the readers accept whole: otherwise the search would start outside the door. What they hold
 // is known from tests/fuzz/make_corpus.py, which shares no code with the readers.
+#include "schuler/io/receiver/novatel_raw.h"
 #include "schuler/io/receiver/rtcm3.h"
 #include "schuler/io/receiver/ubx.h"
 #include "schuler/io/rinex/rinex.h"
@@ -151,6 +152,18 @@ TEST_F(FuzzSeeds, MessagesAreAllRead) {
     for (const auto& k : rtcm.navigation.kepler) expect_orbit(k, std::numbers::pi);
     ASSERT_EQ(rtcm.navigation.glonass.size(), 1U);
     expect_state(rtcm.navigation.glonass[0]);
+
+    const NovatelRaw novatel = read_novatel_raw(seed("receiver_logs/novatel"), log);
+    ASSERT_EQ(novatel.observations.epochs.size(), 3U);
+    EXPECT_EQ(novatel.observations.channels.of_slot[5], 1);
+    for (std::size_t i = 0; i < 6; ++i) {
+        const gnss::SignalObservation& o = novatel.observations.observations[i];
+        const double number = o.satellite.system == System::Gps ? 3.0 : 42.0;
+        EXPECT_NEAR(o.pseudorange, 20e6 + 1e5 * number + 100.0 * static_cast<double>(i / 2), 0.004);
+        EXPECT_NEAR(o.phase * gnss::speed_of_light / gnss::frequency_of(o.satellite.system, '1', 1), o.pseudorange, 0.01)
+            << "in full and compressed";
+        EXPECT_EQ(o.loss_of_lock, i < 2 ? 1 : 0);
+    }
 }
 
 }  // namespace

@@ -104,6 +104,128 @@ TEST_F(Novatel, RangesAreAlikeInAsciiAndBinary) {
     }
 }
 
+/// The record of RANGECMP as the manual's table has it: bits in the order of the table, the lowest of each field first.
+std::string compressed_record(const Range& r, std::uint64_t lock_units, int glonass_field) {
+    std::string bits;
+    const auto field = [&](std::int64_t value, int count) {
+        for (int i = 0; i < count; ++i) bits += (static_cast<std::uint64_t>(value) >> i & 1U) != 0 ? '1' : '0';
+    };
+    field(r.status, 32);
+    field(std::llround(static_cast<double>(r.doppler) * 256.0), 28);
+    field(std::llround(r.psr * 128.0), 36);
+    field(std::llround(r.adr * 256.0), 32);  // what is beyond 32 bits is lost
+    field(1, 4), field(2, 4);
+    field(r.prn, 8);
+    field(static_cast<std::int64_t>(lock_units), 21);
+    field(std::llround(static_cast<double>(r.cn0)) - 20, 5);
+    field(glonass_field, 6);
+    field(0, 16);
+    std::string bytes;
+    for (std::size_t i = 0; i < bits.size(); i += 8) {
+        int byte = 0;
+        for (std::size_t k = 8; k-- > 0;) byte = 2 * byte + (bits[i + k] - '0');
+        bytes += static_cast<char>(byte);
+    }
+    return bytes;
+}
+std::string compressed(double tow, const std::vector<std::string>& records, bool text) {
+    std::string body, cells = std::to_string(records.size());
+    put(body, static_cast<std::uint32_t>(records.size()));
+    for (const std::string& r : records) {
+        body += r;
+        cells += ',';
+        for (const char c : r) cells += fmt::format("{:02x}", static_cast<unsigned char>(c));
+    }
+    return text ? ascii("RANGECMPA", tow, cells) : binary(140, tow, body);
+}
+std::string compressed_ranges(double tow, bool text) {
+    std::vector<std::string> records;
+    for (const Range& r : ranges)
+        records.push_back(compressed_record(r, static_cast<std::uint64_t>(static_cast<double>(r.locked) * 32.0), r.frequency));
+    return compressed(tow, records, text);
+}
+
+TEST_F(Novatel, CompressedRangesAreThoseOfRange) {
+    WarningLog told;
+    const RawInput full = read_raw_input(write("full.gps", range_binary(100.0) + range_binary(103.0)), {}, told);
+    for (const bool text : {true, false}) {
+        const auto file = write("packed.gps", compressed_ranges(100.0, text) + compressed_ranges(103.0, text));
+        ASSERT_EQ(raw_format(file), RawFormat::Novatel);
+        WarningLog warnings;
+        const RawInput raw = read_raw_input(file, {}, warnings);
+        ASSERT_EQ(raw.observations.epochs.size(), 2U);
+        ASSERT_EQ(raw.observations.observations.size(), full.observations.observations.size());
+        for (std::size_t i = 0; i < raw.observations.observations.size(); ++i) {
+            const gnss::SignalObservation &a = raw.observations.observations[i], &b = full.observations.observations[i];
+            SCOPED_TRACE(gnss::name_of(b.satellite));
+            EXPECT_EQ(a.satellite, b.satellite);
+            EXPECT_EQ(a.signal, b.signal);
+            EXPECT_NEAR(a.pseudorange, b.pseudorange, 0.5 / 128.0 + 1e-9);
+            EXPECT_EQ(std::isnan(a.phase), std::isnan(b.phase));
+            EXPECT_FALSE(std::abs(a.phase - b.phase) > 0.5 / 256.0 + 1e-9);
+            EXPECT_NEAR(a.doppler, b.doppler, 0.5 / 256.0 + 1e-9);
+            EXPECT_EQ(a.cn0, b.cn0);
+            EXPECT_EQ(a.loss_of_lock, b.loss_of_lock);
+        }
+        EXPECT_EQ(raw.observations.channels.of_slot[19], 2);
+        EXPECT_EQ(warnings.summary().size(), 1U);
+        expect_parts(fmt::format("{}", fmt::join(warnings.summary(), " ")), {"unknown signals"});
+        // Where RANGE has the same epoch, its resolution wins in whichever order they stand.
+        for (const std::string& both : {compressed_ranges(100.0, text) + range_binary(100.0) + compressed_ranges(103.0, text),
+                                        range_binary(100.0) + compressed_ranges(100.0, text) + compressed_ranges(103.0, text)}) {
+            WarningLog none;
+            const RawInput mixed = read_raw_input(write("mixed.gps", both), {}, none);
+            ASSERT_EQ(mixed.observations.epochs.size(), 2U);
+            EXPECT_EQ(mixed.observations.observations[0].pseudorange, ranges[0].psr);
+            EXPECT_EQ(none.summary().size(), 1U) << "only the unknown signals";
+        }
+    }
+}
+
+TEST_F(Novatel, TheCompressedRecordOfTheManual) {
+    // Example of RANGECMP, GPS 26; that of RANGE is 38 s earlier [NovAtelOEM7:RANGE, RANGECMP]
+    const double psr = 24'101'771.233, adr = -126'655'684.483, doppler = 2806.247;
+    WarningLog warnings;
+    const RawInput raw = read_raw_input(
+        write("m.gps", ascii("RANGECMPA", 512'487.0, "1,04dc1018c2e70a40d6a37b0b9fb702f5531a616f20030000")), {}, warnings);
+    ASSERT_EQ(raw.observations.observations.size(), 1U);
+    const gnss::SignalObservation& o = raw.observations.observations[0];
+    EXPECT_EQ(gnss::name_of(o.satellite), "G26");
+    EXPECT_EQ(o.cn0, 45.0);
+    const double cycles = 38.0 * 0.5 * (doppler + o.doppler);
+    EXPECT_NEAR(-o.phase, adr + cycles, 3.0);
+    EXPECT_NEAR(o.pseudorange, psr - cycles * gnss::speed_of_light / gnss::l1_frequency, 2.0);
+}
+
+TEST_F(Novatel, WhatACompressedRecordLeavesOpen) {
+    constexpr std::uint64_t longest = (1U << 21) - 1;
+    const auto at = [&](double t, std::uint64_t lock) { return compressed(t, {compressed_record(ranges[0], lock, 0)}, false); };
+    WarningLog warnings;
+    const RawInput held = read_raw_input(
+        write("lock.gps", at(100.0, longest - 32) + at(101.0, longest) + at(102.0, longest) + at(103.0, 16) + at(104.0, 48)), {},
+        warnings);
+    std::vector<int> lost;
+    for (const gnss::SignalObservation& o : held.observations.observations) lost.push_back(o.loss_of_lock);
+    EXPECT_EQ(lost, (std::vector{1, 0, 0, 1, 0})) << "the counter of the time of lock stops at 18 h";
+    // a frequency number of zero: old firmware has none, new firmware means channel -7
+    Range other = ranges[1];
+    other.prn = 38;
+    for (const int field : {0, 8}) {
+        const RawInput raw = read_raw_input(
+            write("glo.gps", compressed(100.0, {compressed_record(ranges[1], 1, 0), compressed_record(other, 1, field)}, false)),
+            {}, warnings);
+        EXPECT_EQ(raw.observations.channels.of_slot[19], field == 0 ? gnss::unknown_channel : -7);
+        EXPECT_EQ(raw.observations.channels.of_slot[1], field == 0 ? gnss::unknown_channel : 1);
+        EXPECT_NEAR(raw.observations.observations[1].phase, -ranges[1].adr, 0.01);
+    }
+    std::string cut;
+    put(cut, std::uint32_t{2});
+    cut += compressed_record(ranges[0], 1, 0) + "abc";
+    EXPECT_EQ(read_raw_input(write("cut.gps", binary(140, 1.0, cut)), {}, warnings).observations.observations.size(), 1U);
+    EXPECT_TRUE(read_raw_input(write("bad.gps", ascii("RANGECMPA", 1.0, "1,04dc10zz") + range_ascii(2.0)), {}, warnings)
+                    .observations.epochs.size() == 1U);
+}
+
 std::string one_range(double tow, double locked) {
     return ascii("RANGEA", tow,
                  fmt::format("1,7,0,21485793.442,0.050,-112908605.801,0.010,651.783,44.0,{:.3f},{:08x}", locked, locked_all));
@@ -274,10 +396,9 @@ TEST_F(Novatel, WhatIsNoFixOfItsOwnIsSaid) {
     EXPECT_EQ(fix, FixType::RtkFixed);
     expect_parts(blended, {"own integration", "BESTGNSSPOS"});
     EXPECT_EQ(read(best("BESTPOSA", "INS_RTKFIXED", 51.0) + best("BESTGNSSPOSA", "NARROW_INT", 51.0)).second, "");
-    const std::string compressed = binary(140, 100.0, std::string(28, '\0'));
-    expect_parts(read(best("BESTPOSA", "SINGLE", 51.0) + compressed).second, {"RANGECMP", "not read"});
-    EXPECT_EQ(read(best("BESTPOSA", "SINGLE", 51.0) + compressed + one_range(100.0, 1.0)).second, "")
-        << "the same is there in full";
+    const std::string packed = binary(1273, 100.0, std::string(28, '\0'));
+    expect_parts(read(best("BESTPOSA", "SINGLE", 51.0) + packed).second, {"RANGECMP2", "not read"});
+    EXPECT_EQ(read(best("BESTPOSA", "SINGLE", 51.0) + packed + one_range(100.0, 1.0)).second, "") << "the same is there in full";
 }
 
 std::string imr(bool big, std::int32_t increments, double time, std::int32_t utc = 2) {

@@ -19,6 +19,7 @@ struct FileSource {
     std::map<std::string, std::string> columns;  ///< canonical name = the file's name
     std::map<std::string, double> scale;         ///< canonical name = factor to the canonical unit
     double time_offset = 0.0;                    ///< s, added to the file's times
+    std::vector<std::string> parts;              ///< further files of the same log, joined in order of time
 };
 
 struct TimeConfig {

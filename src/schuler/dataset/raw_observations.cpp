@@ -2,6 +2,7 @@
 
 #include "schuler/core/error.h"
 #include "schuler/dataset/raw_gnss.h"
+#include "schuler/io/part_names.h"
 #include "schuler/io/raw_input.h"
 #include "schuler/io/text/columns.h"
 #include "schuler/io/text/text_input.h"
@@ -11,6 +12,9 @@
 #include <algorithm>
 #include <functional>
 #include <initializer_list>
+#include <iterator>
+#include <optional>
+#include <ranges>
 #include <string_view>
 
 namespace schuler::dataset {
@@ -57,6 +61,49 @@ int rover_points(const fs::path& file) {
     return type == "GEODETIC" ? -2 : points_by_name(file);
 }
 
+/// First and last epoch of a file of raw measurements.
+std::optional<std::pair<Time, Time>> span_of(const fs::path& file) {
+    try {
+        WarningLog unheard;  // the run that reads it warns
+        const io::RawInput raw = io::read_raw_input(file, {}, unheard);
+        if (raw.observations.epochs.empty()) return std::nullopt;
+        return std::pair(raw.observations.epochs.front().time, raw.observations.epochs.back().time);
+    } catch (const Error&) {
+        return std::nullopt;
+    }
+}
+
+/// The files that continue the first of these: named like it except for numbers, in order of time, without a common hour. Two receivers
+/// that measure at the same time are none.
+std::vector<std::string> with_parts(const fs::path& folder, const std::vector<std::string>& names) {
+    struct Part {
+        std::string name;
+        Time first, last;
+    };
+    std::vector<std::string> alike;
+    std::ranges::copy_if(names, std::back_inserter(alike),
+                         [&](const std::string& name) { return io::name_of_parts(name) == io::name_of_parts(names.front()); });
+    if (alike.size() == 1) return alike;
+    std::vector<Part> parts;
+    for (const std::string& name : alike)
+        if (const auto span = span_of(folder / name)) parts.push_back({name, span->first, span->second});
+    if (parts.empty() || parts.front().name != names.front()) return {names.front()};
+    std::vector<Part> chain{parts.front()};
+    std::ranges::sort(parts, {}, &Part::first);
+    constexpr double longest_pause = 600.0, shared = 60.0;  // s
+    const auto joins = [&](const Part& a, const Part& b) {
+        const double pause = (b.first - a.last).seconds();
+        return b.last > a.last && pause > -shared && pause <= longest_pause;
+    };
+    for (const Part& p : parts)
+        if (joins(chain.back(), p)) chain.push_back(p);
+    for (const Part& p : parts | std::views::reverse)
+        if (joins(p, chain.front())) chain.insert(chain.begin(), p);
+    std::vector<std::string> out;
+    for (const Part& p : chain) out.push_back(p.name);
+    return out;
+}
+
 }  // namespace
 
 RawObservations raw_observations(const fs::path& path, bool alone) {
@@ -93,13 +140,15 @@ RawObservations raw_observations(const fs::path& path, bool alone) {
         f.key = key;
         f.value = std::move(value);
     };
-    fact("gnss.observations", observations.front());
-    out.files.observations = {observations.front()};
+    const std::vector<std::string> parts = with_parts(beside, observations);
+    std::erase_if(observations, [&](const std::string& name) { return std::ranges::find(parts, name) != parts.end(); });
+    const FactValue value = parts.size() == 1 ? FactValue(parts.front()) : FactValue(parts);
+    fact("gnss.observations", value);
+    out.files.observations = parts;
     out.files.navigation = navigation;
     out.dataset_toml = fmt::format("# Inferred from the {} files.\n[gnss]\nobservations = {}\n",
-                                   only_logs && navigation.empty() ? "receiver's" : "RINEX", toml_text(observations.front()));
-    for (std::size_t i = 1; i < observations.size(); ++i)
-        out.dataset_toml += fmt::format("# or observations = {}\n", toml_text(observations[i]));
+                                   only_logs && navigation.empty() ? "receiver's" : "RINEX", to_text(value));
+    for (const std::string& other : observations) out.dataset_toml += fmt::format("# or observations = {}\n", toml_text(other));
     if (!navigation.empty()) {
         fact("gnss.navigation", navigation);
         out.dataset_toml += fmt::format("navigation = {}\n", to_text(navigation));
@@ -108,7 +157,7 @@ RawObservations raw_observations(const fs::path& path, bool alone) {
         fact("filter.scheme", std::string("gnss"));
         out.dataset_toml += "[filter]\nscheme = \"gnss\"\n";
     }
-    if (observations.size() > 1)  // only the user knows which of them were static at a known point
+    if (!observations.empty())  // only the user knows which of them were static at a known point
         out.dataset_toml += fmt::format(
             "# Positions from carrier phases, if this is a base station's log of the same hours:\n# [base]\n# observations = {}\n",
             toml_text(observations.back()));

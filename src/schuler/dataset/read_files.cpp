@@ -13,7 +13,11 @@
 #include "schuler/io/streams.h"
 #include "schuler/io/text/csv/csv_aids.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 namespace schuler::dataset {
@@ -32,6 +36,33 @@ io::CsvOptions csv_options(const FileSource& source, const Description& d, const
     return o;
 }
 
+/// The samples of a log and of its further parts, in order of time. Rows of a part that are not later than those before it repeat them.
+template <class Read>
+auto joined(const fs::path& folder, const FileSource& source, const std::string& section, io::LogFiles& logs,
+            WarningLog& warnings, const Read& read) {
+    using Samples = decltype(read(std::declval<const io::TextInput&>()));
+    std::vector<std::pair<std::string, Samples>> parts;
+    std::vector<std::string> files{source.file};
+    files.insert(files.end(), source.parts.begin(), source.parts.end());
+    for (std::size_t i = 0; i < files.size(); ++i)
+        parts.emplace_back(files[i],
+                           read(logs.open(resolved(folder, files[i], section + (i == 0 ? ".file" : ".parts")), warnings)));
+    if (parts.size() == 1) return std::move(parts.front().second);
+    std::erase_if(parts, [](const auto& part) { return part.second.empty(); });
+    std::ranges::stable_sort(parts, {}, [](const auto& part) { return part.second.front().time; });
+    Samples all;
+    for (auto& [file, samples] : parts) {
+        const auto later = [&](const auto& s) { return all.empty() || s.time > all.back().time; };
+        const auto first = std::ranges::find_if(samples, later);
+        const auto repeated = static_cast<std::size_t>(first - samples.begin());
+        if (repeated > 0)
+            warnings.add(file + " " + section + ".parts",
+                         fmt::format("{}: rows that are in the part before it too: left out", file), repeated);
+        all.insert(all.end(), std::make_move_iterator(first), std::make_move_iterator(samples.end()));
+    }
+    return all;
+}
+
 void read_imu(const fs::path& folder, const Description& d, const Reading& reading, io::LogFiles& logs, ReadFiles& out,
               WarningLog& warnings) {
     if (d.imu.file.empty() && !reading.imu) return;
@@ -39,15 +70,53 @@ void read_imu(const fs::path& folder, const Description& d, const Reading& readi
         throw input_error("no IMU file", {{}, 0, 0, "imu.file"},
                           "name it in dataset.toml: [imu] file = \"imu.csv\", or choose --scheme gnss");
     }
-    const io::TextInput input = logs.open(resolved(folder, d.imu.file, "imu.file"), warnings);
-    if (is_bare_table(input, csv_options(d.imu, d, reading), 7)) {
-        out.recording.imu = io::read_kfgins_imu(input, warnings, Duration::from_seconds(d.imu.time_offset)).samples;
-        out.imu_kind = ImuKind::Increments;
-        return;
+    const io::CsvOptions options = csv_options(d.imu, d, reading);
+    out.recording.imu = joined(folder, d.imu, "imu", logs, warnings, [&](const io::TextInput& input) {
+        const bool bare = is_bare_table(input, options, 7);
+        io::ImuTable table;
+        if (!bare) table = io::read_imu_csv(input, options, warnings);
+        const ImuKind kind = bare ? ImuKind::Increments : table.kind;
+        if (out.imu_kind && *out.imu_kind != kind)
+            throw input_error("has rates and the part before increments, or the reverse", {input.name(), 0, 0, "imu.parts"},
+                              "give parts with the same columns");
+        out.imu_kind = kind;
+        return bare ? io::read_kfgins_imu(input, warnings, Duration::from_seconds(d.imu.time_offset)).samples
+                    : std::move(table.samples);
+    });
+}
+
+/// Fixes of one file; `dated`: in GPS time, to be moved to the axis of the other logs, and shifted by `offset`.
+struct FixLog {
+    std::vector<GnssFix> fixes;
+    bool dated = false;
+    Duration offset{};
+    io::HeightKind height = io::HeightKind::Unstated;
+};
+
+FixLog read_fixes(const io::TextInput& input, const Description& d, const Reading& reading, WarningLog& warnings) {
+    const Duration offset = Duration::from_seconds(d.gnss.time_offset);
+    if (io::is_ubx(input)) {
+        io::UbxLog log = io::read_ubx(input, warnings);
+        if (log.fixes.empty())
+            throw input_error("has no fix of the receiver itself (NAV-PVT)", {input.name(), 0, 0, "gnss.file"},
+                              "its raw measurements are used as [gnss] observations");
+        return {std::move(log.fixes), true, offset};
     }
-    io::ImuTable table = io::read_imu_csv(input, csv_options(d.imu, d, reading), warnings);
-    out.recording.imu = std::move(table.samples);
-    out.imu_kind = table.kind;
+    if (is_bare_table(input, csv_options(d.gnss, d, reading), 7) || is_bare_table(input, csv_options(d.gnss, d, reading), 13))
+        return {io::read_kfgins_gnss(input, warnings, offset).fixes};
+    if (io::is_rtklib_pos(input)) {
+        io::RtklibPos pos = io::read_rtklib_pos(input, warnings);
+        return {std::move(pos.fixes), true, offset, pos.height};
+    }
+    if (io::is_nmea(input)) {
+        io::NmeaLog log = io::read_nmea(input, warnings);
+        if (log.has_date) return {std::move(log.fixes), true, offset, log.height};
+        return {shifted(std::move(log.fixes), offset), false, {}, log.height};
+    }
+    io::GnssTable table = io::read_gnss_csv(input, csv_options(d.gnss, d, reading), warnings);
+    // a stream from a dated log, beside logs that may be undated
+    const bool dated = input.in_memory() && table.plan.find("time_s")->file_name == io::time_name(io::Clock::Gps);
+    return {std::move(table.fixes), dated, {}, table.height};
 }
 
 void read_gnss(const fs::path& folder, const Description& d, const Reading& reading, io::LogFiles& logs, ReadFiles& out,
@@ -67,50 +136,26 @@ void read_gnss(const fs::path& folder, const Description& d, const Reading& read
         return;
     }
     if (d.gnss.file.empty()) return;
-    const io::TextInput input = logs.open(resolved(folder, d.gnss.file, "gnss.file"), warnings);
-    if (io::is_ubx(input)) {
-        io::UbxLog log = io::read_ubx(input, warnings);
-        if (log.fixes.empty())
-            throw input_error("has no fix of the receiver itself (NAV-PVT)", {d.gnss.file, 0, 0, "gnss.file"},
-                              "its raw measurements are used as [gnss] observations");
-        out.recording.gnss = on_own_axis(std::move(log.fixes), d.time, out.recording, offset);
-        return;
-    }
-    if (is_bare_table(input, csv_options(d.gnss, d, reading), 7) || is_bare_table(input, csv_options(d.gnss, d, reading), 13)) {
-        out.recording.gnss = io::read_kfgins_gnss(input, warnings, offset).fixes;
-        return;
-    }
-    if (io::is_rtklib_pos(input)) {
-        io::RtklibPos pos = io::read_rtklib_pos(input, warnings);
-        out.recording.gnss = on_own_axis(std::move(pos.fixes), d.time, out.recording, offset);
-        out.fix_height = pos.height;
-        return;
-    }
-    if (io::is_nmea(input)) {
-        io::NmeaLog log = io::read_nmea(input, warnings);
-        out.recording.gnss = log.has_date ? on_own_axis(std::move(log.fixes), d.time, out.recording, offset)
-                                          : shifted(std::move(log.fixes), offset);
-        out.fix_height = log.height;
-        return;
-    }
-    io::GnssTable table = io::read_gnss_csv(input, csv_options(d.gnss, d, reading), warnings);
-    // a stream from a dated log, beside logs that may be undated
-    const bool dated = input.in_memory() && table.plan.find("time_s")->file_name == io::time_name(io::Clock::Gps);
-    out.recording.gnss = dated ? on_own_axis(std::move(table.fixes), d.time, out.recording, {}) : std::move(table.fixes);
-    out.fix_height = table.height;
+    FixLog log;
+    std::vector<GnssFix> fixes = joined(folder, d.gnss, "gnss", logs, warnings, [&](const io::TextInput& input) {
+        log = read_fixes(input, d, reading, warnings);
+        return std::move(log.fixes);
+    });
+    out.recording.gnss = log.dated ? on_own_axis(std::move(fixes), d.time, out.recording, log.offset) : std::move(fixes);
+    out.fix_height = log.height;
 }
 
 void read_others(const fs::path& folder, const Description& d, const Reading& reading, io::LogFiles& logs, ReadFiles& out,
                  WarningLog& warnings) {
     if (!d.baro.file.empty()) {
-        out.recording.baro = io::read_baro_csv(logs.open(resolved(folder, d.baro.file, "baro.file"), warnings),
-                                               csv_options(d.baro, d, reading), warnings)
-                                 .samples;
+        out.recording.baro = joined(folder, d.baro, "baro", logs, warnings, [&](const io::TextInput& input) {
+            return io::read_baro_csv(input, csv_options(d.baro, d, reading), warnings).samples;
+        });
     }
     if (!d.mag.file.empty()) {
-        out.recording.mag = io::read_mag_csv(logs.open(resolved(folder, d.mag.file, "mag.file"), warnings),
-                                             csv_options(d.mag, d, reading), warnings)
-                                .samples;
+        out.recording.mag = joined(folder, d.mag, "mag", logs, warnings, [&](const io::TextInput& input) {
+            return io::read_mag_csv(input, csv_options(d.mag, d, reading), warnings).samples;
+        });
         if (reading.C_imu_mag)
             for (MagSample& m : out.recording.mag) m.field_b = *reading.C_imu_mag * m.field_b;
     }
@@ -145,6 +190,11 @@ void read_others(const fs::path& folder, const Description& d, const Reading& re
 ReadFiles read_files(const fs::path& folder, const Description& d, const Reading& reading, WarningLog& warnings) {
     ReadFiles out;
     io::LogFiles logs;
+    for (const auto& [section, source] :
+         {std::pair("imu", &d.imu), std::pair("gnss", &d.gnss), std::pair("baro", &d.baro), std::pair("mag", &d.mag)})
+        if (source->file.empty() && !source->parts.empty())
+            throw input_error("there are further parts of a log that is not named", {{}, 0, 0, fmt::format("{}.parts", section)},
+                              fmt::format("name its first part: [{}] file = \"...\"", section));
     read_imu(folder, d, reading, logs, out, warnings);
     read_others(folder, d, reading, logs, out, warnings);
     read_gnss(folder, d, reading, logs, out, warnings);

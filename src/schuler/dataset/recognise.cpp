@@ -167,6 +167,12 @@ Recognised recognise(const fs::path& path, Needs needs, const inspect::Given& gi
                                   error->hint);
         }
         std::error_code ec;
+        for (const inspect::FileReport& file : r.report.files) {  // the log that was meant says why it is none
+            const auto error = std::ranges::find(file.problems, inspect::Level::Error, &inspect::Problem::level);
+            if ((file.kind == "imu" || file.kind == "gnss") && error != file.problems.end())
+                throw input_error(error->text, {(fs::is_directory(path, ec) ? path / file.path : path).string(), 0, 0, {}},
+                                  error->hint);
+        }
         refuse_trajectory(fs::is_directory(path, ec) ? path : path.parent_path(), r.report);
         for (const auto& problem : r.report.problems) {
             if (problem.level != inspect::Level::Error) continue;

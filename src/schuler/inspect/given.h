@@ -22,6 +22,7 @@ struct GivenFile {
     std::map<std::string, std::string> columns;  ///< canonical name = the file's name
     std::map<std::string, double> scale;         ///< canonical name = factor to the canonical unit
     double time_offset = 0.0;                    ///< s, added to the file's times, whether or not the file is named
+    std::vector<std::filesystem::path> parts;    ///< further files of the same log
 };
 
 /// Fixes that are in no file of the data set: computed from raw measurements, epoch by epoch.

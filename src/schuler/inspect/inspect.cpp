@@ -1,6 +1,7 @@
 #include "schuler/inspect/inspect.h"
 
 #include "schuler/core/error.h"
+#include "schuler/inspect/detail/parts.h"
 #include "schuler/inspect/detail/recognise.h"
 #include "schuler/inspect/detail/study.h"
 #include "schuler/inspect/explain.h"
@@ -104,32 +105,6 @@ const GivenFile* named(const Given& given, io::TableKind kind) {
     return file != nullptr && !file->path.empty() ? file : nullptr;
 }
 
-/// Written by a run of this program and unchanged: not a log, and not a reference for the next run.
-bool is_result(const LoadedFile& file) {
-    const io::StreamPath where = io::stream_path(file.path);
-    const std::string name = where.file.filename().string();
-    return (name == "run.h5" || name == "solution.csv" || name == "point.csv" || name == "events.csv") &&
-           io::may_overwrite(where.file);
-}
-
-/// A log with the columns of the chosen one that begins after its end, or ends before its start, is another part of the same recording:
-/// it is not read, which must be said. False if it is not one.
-bool tell_other_part(Study& study, const LoadedFile& chosen, const LoadedFile& other) {
-    const FileReport &a = chosen.report, &b = other.report;
-    const fs::path first = io::stream_path(chosen.path).file, second = io::stream_path(other.path).file;
-    if (a.columns != b.columns || first == second || first.parent_path() != second.parent_path() ||
-        first.extension() != second.extension() || a.rows < 2 || b.rows < 2)
-        return false;
-    const bool later = b.start_s >= a.stop_s;
-    if (!later && b.stop_s > a.start_s) return false;
-    const std::string text = fmt::format("{} {} {} ({:.1f} to {:.1f} s, {:.1f} to {:.1f} s): it is not used", b.path,
-                                         later ? "continues" : "precedes", a.path, b.start_s, b.stop_s, a.start_s, a.stop_s);
-    const std::string mend = "join the parts of the recording into one file, or give each with its fixes a folder";
-    study.problem(Level::Warning, text, mend);
-    study.doubts.push_back(fmt::format("{}; {}", text, mend));
-    return true;
-}
-
 LoadedFile* choose(Study& study, io::TableKind kind, const std::string& section) {
     LoadedFile* best = nullptr;
     if (named(study.given, kind) != nullptr) {
@@ -146,15 +121,15 @@ LoadedFile* choose(Study& study, io::TableKind kind, const std::string& section)
                                (kind == io::TableKind::Gnss && given.find_gnss);
     if (!may) return nullptr;
     for (LoadedFile& file : study.files) {
-        if (file.table != kind || file.as.kind || is_result(file)) continue;
+        if (file.table != kind || file.as.kind || detail::is_result(file)) continue;
         const bool comparable = kind == io::TableKind::Gnss;
         if (best == nullptr || (comparable && preference(file) > preference(*best))) best = &file;
     }
     if (best == nullptr) return nullptr;
+    best = detail::with_parts(study, best, section);
     best->report.chosen = true;
     for (const LoadedFile& file : study.files) {
-        if (file.table != kind || file.as.kind || &file == best || is_result(file)) continue;
-        if (tell_other_part(study, *best, file)) continue;
+        if (file.table != kind || file.as.kind || &file == best || file.report.chosen || detail::is_result(file)) continue;
         study.problem(Level::Info,
                       fmt::format("{} could be [{}] as well; {} was taken", file.report.path, section, best->report.path),
                       fmt::format("to use it: [{}] file = {}", section, toml_text(file.report.path)));
@@ -314,13 +289,24 @@ void load_files(const fs::path& path, Study& study) {
     for (const io::TableKind kind : roles) {
         const GivenFile* file = named(given, kind);
         if (file == nullptr) continue;
+        const auto add_parts = [&](const detail::ReadAs& as) {
+            std::vector<LoadedFile> parts;
+            for (const fs::path& part : file->parts) {
+                std::erase_if(others, [&](const fs::path& p) { return fs::equivalent(p, part, failure); });
+                const std::string name = part.filename().string();
+                parts.push_back(io::stream_path(part).stream.empty() ? detail::load_file(part, name, as)
+                                                                     : detail::load_given_stream(part, name, as));
+            }
+            detail::join_given(study.files.back(), std::move(parts));
+        };
         if (!fs::is_regular_file(file->path, failure)) {
             const io::StreamPath where = io::stream_path(file->path);
             if (where.stream.empty()) continue;
             if (!given.find_imu)  // otherwise the IMU may be in the same log
                 std::erase_if(others, [&](const fs::path& p) { return fs::equivalent(p, where.file, failure); });
-            study.files.push_back(detail::load_given_stream(file->path, file->name,
-                                                            {kind, {file->columns, file->scale, {}}, {}, file->time_offset}));
+            const detail::ReadAs as{kind, {file->columns, file->scale, {}}, {}, file->time_offset};
+            study.files.push_back(detail::load_given_stream(file->path, file->name, as));
+            add_parts(as);
             continue;
         }
         if (!detail::is_table_of_another(file->path, kind))
@@ -328,6 +314,7 @@ void load_files(const fs::path& path, Study& study) {
         detail::ReadAs as{kind, {file->columns, file->scale, {}}, {}, file->time_offset};
         if (kind == io::TableKind::Gnss) as.fix_codes = given.fix_codes;
         study.files.push_back(detail::load_file(file->path, file->name, as));
+        add_parts(as);
         if (kind == io::TableKind::Imu && given.find_gnss && named(given, io::TableKind::Gnss) == nullptr)
             if (std::optional<LoadedFile> fixes = detail::fixes_beside(study.files.back()))
                 study.files.push_back(as_given(std::move(*fixes), given));

@@ -30,8 +30,11 @@ struct ToValue {
 
 inspect::GivenFile file_of(const dataset::FileSource& source, const std::filesystem::path& folder, const std::string& key) {
     if (source.file.empty())  // for the log that takes this role
-        return {{}, {}, source.columns, source.scale, source.time_offset};
-    return {dataset::resolved(folder, source.file, key), source.file, source.columns, source.scale, source.time_offset};
+        return {{}, {}, source.columns, source.scale, source.time_offset, {}};
+    inspect::GivenFile given{
+        dataset::resolved(folder, source.file, key), source.file, source.columns, source.scale, source.time_offset, {}};
+    for (const std::string& part : source.parts) given.parts.push_back(dataset::resolved(folder, part, key));
+    return given;
 }
 
 std::string vehicle_name(const Config& config) {

@@ -208,6 +208,7 @@ void judge_idle_velocity(Study& study) {
 void judge_gnss(Study& study) {
     if (study.gnss_file == nullptr || study.gnss_file->computed) return;
     study.draft.set("gnss", "file", study.gnss_file->report.path, fmt::format("{:.3g} Hz", study.gnss_file->report.rate_hz));
+    draft_parts(study, "gnss", *study.gnss_file);
     draft_columns(study, "gnss", *study.gnss_file, study.gnss_units);
     if (study.idle_velocity) {
         const std::string why = "the velocities of the log are always zero, although the positions travel";

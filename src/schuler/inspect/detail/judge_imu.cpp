@@ -310,6 +310,7 @@ void draft_clock(Study& study) {
 void judge_imu(Study& study) {
     if (study.imu_file == nullptr) return;
     study.draft.set("imu", "file", study.imu_file->report.path, fmt::format("{:.4g} Hz", study.imu_file->report.rate_hz));
+    draft_parts(study, "imu", *study.imu_file);
     const bool increments = study.imu_file->has("dtheta_x_rad");
     study.draft.set(
         "imu", "kind", increments ? std::string("increments") : std::string("rates"),

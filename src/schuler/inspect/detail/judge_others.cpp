@@ -66,6 +66,7 @@ void place_in_time(Study& study, const LoadedFile& file) {
 
 void draft_mag(Study& study, LoadedFile& file, double norm, double share, bool usable) {
     study.draft.set("mag", "file", file.report.path, fmt::format("norm {:.1f} uT +- {:.1f} %", norm, 100.0 * share));
+    draft_parts(study, "mag", file);
     draft_columns(study, "mag", file, study.mag_units);
     if (!usable) {
         study.draft.note("mag", "left out: take the comment signs away to use it all the same");
@@ -97,6 +98,7 @@ void judge_baro(Study& study) {
         }
     }
     study.draft.set("baro", "file", file.report.path, fmt::format("{:.3g} Hz", file.report.rate_hz));
+    draft_parts(study, "baro", file);
     draft_columns(study, "baro", file, study.baro_units);
     compare_with_gnss(study, file, baro_heights(file));
 }

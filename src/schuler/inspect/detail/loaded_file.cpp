@@ -5,6 +5,7 @@
 #include "schuler/io/text/fix_codes.h"
 #include "schuler/io/text/held_rows.h"
 #include "schuler/io/text/lonely_samples.h"
+#include "schuler/io/text/open_dates.h"
 #include "schuler/io/text/repair_times.h"
 #include "schuler/io/text/table.h"
 
@@ -125,6 +126,9 @@ void read_table(LoadedFile& file, const io::TableLayout& layout) {
                      e.hint().empty() ? "copy the log completely, or delete the damaged line" : e.hint());
     }
     if (without_time > 0) {
+        if (const io::ColumnMatch* time = file.plan.find("time_s"); time != nullptr)
+            if (const std::string readings = io::readings_of_open_date(layout, time->column); !readings.empty())
+                file.problem(Level::Error, readings, "write the dates with the year first (2024-03-05 14:00:00.25)");
         file.problem(Level::Warning, fmt::format("{} rows without a usable time were left out", without_time),
                      "look at their time column");
     }
@@ -138,7 +142,12 @@ void read_table(LoadedFile& file, const io::TableLayout& layout) {
 
 namespace {
 
-void report_cadence(LoadedFile& file) {
+void take_cadence(LoadedFile& file) {
+    file.cadence_origin_ns = file.time_ns.front();
+    std::vector<double> seconds;
+    seconds.reserve(file.time_ns.size());
+    for (const std::int64_t ns : file.time_ns) seconds.push_back(static_cast<double>(ns - file.cadence_origin_ns) * 1e-9);
+    file.cadence = cadence_of(seconds);
     const Cadence& c = file.cadence;
     file.report.rows = c.rows;
     file.report.rate_hz = c.rate_hz;
@@ -149,6 +158,11 @@ void report_cadence(LoadedFile& file) {
     for (const Gap& gap : c.gaps) file.report.holes.push_back({origin + gap.start, gap.length});
     file.report.start_s = origin + c.start;
     file.report.stop_s = origin + c.stop;
+}
+
+void report_cadence(LoadedFile& file) {
+    const Cadence& c = file.cadence;
+    const double origin = static_cast<double>(file.cadence_origin_ns) * 1e-9;
     const bool raw = !file.table && !file.report.contents.empty();
     const bool sampled = raw || file.table == io::TableKind::Imu || file.table == io::TableKind::Gnss;
     if (!c.gaps.empty() && sampled) {
@@ -313,6 +327,8 @@ LoadedFile load_file(const std::filesystem::path& path, const std::string& name,
     return file;
 }
 
+void renew_cadence(LoadedFile& file) { take_cadence(file); }
+
 void finish(LoadedFile& file) {
     if (file.time_ns.empty()) {
         if (file.table) {
@@ -329,11 +345,7 @@ void finish(LoadedFile& file) {
     if (file.table == io::TableKind::Imu) drop_lonely(file);
     if (file.table == io::TableKind::Imu || file.table == io::TableKind::Gnss || file.table == io::TableKind::Mag)
         spread_times(file);
-    file.cadence_origin_ns = file.time_ns.front();
-    std::vector<double> seconds;
-    seconds.reserve(file.time_ns.size());
-    for (const std::int64_t ns : file.time_ns) seconds.push_back(static_cast<double>(ns - file.cadence_origin_ns) * 1e-9);
-    file.cadence = cadence_of(seconds);
+    take_cadence(file);
     report_cadence(file);
     report_missing_values(file);
 }

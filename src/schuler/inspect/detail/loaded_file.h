@@ -33,6 +33,7 @@ struct LoadedFile {
     std::vector<std::int64_t> time_ns;                   ///< in the order of the file
     std::map<std::string, std::vector<double>> columns;  ///< by canonical name, NaN if missing; same length as time_ns
     std::vector<FixType> fix;                            ///< same length, or empty
+    std::vector<std::string> parts;                      ///< names of the files whose rows follow those of this one
     std::string fix_table;                               ///< interpretation of the fix quality codes
     bool fix_by_evidence = false;                        ///< ... determined from the codes present
     std::map<std::string, FixType> fix_codes;            ///< the codes present
@@ -52,6 +53,8 @@ struct LoadedFile {
     void add_to_times(double seconds);
 };
 
+/// Rate and gaps of rows that were added.
+void renew_cadence(LoadedFile& file);
 /// Derived properties of the rows of a file: stray stamps, timing, missing values.
 void finish(LoadedFile& file);
 

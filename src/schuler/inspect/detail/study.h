@@ -109,6 +109,8 @@ bool judge_accelerometers(Study& study);
 [[nodiscard]] bool shows_lag(const Agreement& a);
 [[nodiscard]] bool shows_lag(const MotionFit& fit);
 
+/// The line of the further parts of a log, if it has some.
+void draft_parts(Study& study, const std::string& section, const LoadedFile& file);
 /// The columns and scale lines of a section, if names or units must be stated.
 void draft_columns(Study& study, const std::string& section, const LoadedFile& file, const std::vector<UnitChange>& units);
 

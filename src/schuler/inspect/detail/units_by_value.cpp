@@ -138,7 +138,8 @@ void judge_position(LoadedFile& file, std::vector<UnitChange>& changes) {
     if (file.plan.find("lat_deg")->degrees_minutes)
         file.problem(
             Level::Info,
-            "latitude and longitude are read as degrees and minutes (ddmm.mmmm): beyond 360, and no minutes of 60 or more", "");
+            "latitude and longitude are read as degrees and minutes (ddmm.mmmm): no minutes of 60 or more, and beyond 360 or with all their digits",
+            "if they are degrees: [gnss] scale = { lat_deg = 1, lon_deg = 1 }");
     const double lat = extreme("lat_deg"), lon = extreme("lon_deg");
     double factor = 1.0;
     std::string unit, why;

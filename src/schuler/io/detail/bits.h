@@ -1,6 +1,8 @@
 // Bit fields of binary messages, most significant bit first, and their checks. Private to the readers.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -15,10 +17,12 @@ public:
 
     [[nodiscard]] std::uint64_t at(std::size_t first, std::size_t count) const {
         std::uint64_t value = 0;
-        for (std::size_t i = first; i < first + count; ++i) {
-            const std::size_t byte = i / 8;
-            const auto b = byte < bytes_.size() ? static_cast<unsigned char>(bytes_[byte]) : 0U;
-            value = value << 1 | ((b >> (7 - i % 8)) & 1U);
+        for (std::size_t i = first, left = count; left > 0;) {  // byte by byte: single bits took a third of the time of a log
+            const std::size_t in_byte = i % 8, some = std::min(left, 8 - in_byte);
+            const auto b = i / 8 < bytes_.size() ? static_cast<unsigned char>(bytes_[i / 8]) : 0U;
+            value = value << some | (b >> (8 - in_byte - some) & ((1U << some) - 1U));
+            i += some;
+            left -= some;
         }
         return value;
     }
@@ -56,14 +60,21 @@ class BitWriter {
 public:
     /// The lowest `count` bits of a value.
     void put(std::uint64_t value, std::size_t count) {
-        for (std::size_t i = count; i-- > 0; ++size_) {
+        while (count > 0) {
             if (size_ % 8 == 0) bytes_.push_back('\0');
-            if ((value >> i & 1U) != 0) bytes_.back() = static_cast<char>(bytes_.back() | (0x80 >> size_ % 8));
+            const std::size_t room = 8 - size_ % 8, some = std::min(count, room);
+            const auto part = static_cast<unsigned>(value >> (count - some)) & ((1U << some) - 1U);
+            bytes_.back() = static_cast<char>(static_cast<unsigned char>(bytes_.back()) | part << (room - some));
+            size_ += some;
+            count -= some;
         }
     }
     /// Bits [first, first + count) of another buffer.
     void put(const Bits& from, std::size_t first, std::size_t count) {
-        for (std::size_t i = first; i < first + count; ++i) put(from.at(i, 1), 1);
+        for (std::size_t i = first, some = 0; i < first + count; i += some) {
+            some = std::min<std::size_t>(first + count - i, 64);
+            put(from.at(i, some), some);
+        }
     }
     [[nodiscard]] const std::string& bytes() const { return bytes_; }
 
@@ -74,11 +85,17 @@ private:
 
 /// CRC-24Q of whole bytes [RTCM10403:4.2].
 [[nodiscard]] inline std::uint32_t crc24q(std::string_view bytes) {
+    static constexpr std::array<std::uint32_t, 256> table = [] {
+        std::array<std::uint32_t, 256> t{};
+        for (std::uint32_t byte = 0; byte < 256; ++byte) {
+            std::uint32_t crc = byte << 16;
+            for (int i = 0; i < 8; ++i) crc = (crc & 0x800000U) != 0 ? (crc << 1 ^ 0x1864CFBU) & 0xFFFFFFU : crc << 1;
+            t[byte] = crc;
+        }
+        return t;
+    }();
     std::uint32_t crc = 0;
-    for (const char c : bytes) {
-        crc ^= static_cast<std::uint32_t>(static_cast<unsigned char>(c)) << 16;
-        for (int i = 0; i < 8; ++i) crc = (crc & 0x800000U) != 0 ? (crc << 1 ^ 0x1864CFBU) & 0xFFFFFFU : crc << 1;
-    }
+    for (const char c : bytes) crc = (crc << 8 & 0xFFFFFFU) ^ table[crc >> 16 ^ static_cast<unsigned char>(c)];
     return crc;
 }
 

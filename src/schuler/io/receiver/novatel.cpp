@@ -143,7 +143,8 @@ public:
     void finish(StreamLog& log) {
         log.clock = Clock::Gps;
         if (!waiting_.empty()) unknown_imu = -1;
-        if (others.contains("43") || others.contains("RANGE")) compressed = 0;  // the same data in full
+        for (const char* readable : {"43", "RANGE", "140", "RANGECMP"})
+            if (others.contains(readable)) compressed = 0;  // the same data
         log.add(std::move(imu_));
         // solutions without the receiver's own integration first
         static constexpr std::array<const char*, 3> sources = {"BESTGNSSPOS, BESTGNSSVEL", "BESTPOS, BESTVEL", "PSRPOS, PSRVEL"};
@@ -399,7 +400,7 @@ const Format novatel_format = {
     .extensions = ".gps .novatel .asc",
     .holds =
         "BESTGNSSPOS and BESTGNSSVEL, else BESTPOS and BESTVEL, else PSRPOS and PSRVEL as fixes; RAWIMUX, RAWIMUSX and, where the log tells the IMU, RAWIMU(S) as "
-        "increments (of IMUs whose scale is known; CORRIMUDATA is without gravity and no IMU); INSPVA(S) and INSPVAX as reference; raw measurements (RANGE) and "
+        "increments (of IMUs whose scale is known; CORRIMUDATA is without gravity and no IMU); INSPVA(S) and INSPVAX as reference; raw measurements (RANGE, RANGECMP) and "
         "ephemerides (GPSEPHEM, RAWEPHEM, GLOEPHEMERIS, GALEPHEMERIS, BDSEPHEMERIS, IONUTC); ASCII and binary, mixed; axes forward-right-down; of two antennas the first",
     .time = "GPS time",
     .recognise = is_novatel,

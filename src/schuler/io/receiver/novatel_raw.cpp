@@ -6,7 +6,7 @@
 #include "schuler/io/detail/ephemeris_checks.h"
 #include "schuler/io/receiver/detail/navigation_frames.h"
 #include "schuler/io/receiver/detail/novatel_frames.h"
-#include "schuler/io/receiver/detail/signal_codes.h"
+#include "schuler/io/receiver/detail/novatel_ranges.h"
 
 #include <fmt/format.h>
 
@@ -24,7 +24,8 @@ namespace {
 
 using detail::NovatelFields;
 using detail::NovatelMessage;
-using detail::SignalCode;
+using detail::NovatelRange;
+using detail::satellite_of;
 using gnss::SatelliteId;
 using gnss::Signal;
 using gnss::System;
@@ -34,43 +35,16 @@ enum Log : int {
     ionosphere_utc = 8,
     raw_ephemeris = 41,
     range = 43,
+    compressed_range = 140,
     glonass_ephemeris = 723,
     galileo_ephemeris = 1122,
     beidou_ephemeris = 1696
 };
 
 bool is_raw(int id) {
-    return id == gps_ephemeris || id == raw_ephemeris || id == range || id == glonass_ephemeris || id == galileo_ephemeris ||
-           id == beidou_ephemeris;
+    return id == gps_ephemeris || id == raw_ephemeris || id == range || id == compressed_range || id == glonass_ephemeris ||
+           id == galileo_ephemeris || id == beidou_ephemeris;
 }
-
-std::optional<SatelliteId> satellite_of(unsigned system, int prn) {
-    static constexpr std::array<System, 7> systems = {System::Gps,    System::Glonass, System::Sbas, System::Galileo,
-                                                      System::BeiDou, System::Qzss,    System::Navic};
-    if (system >= systems.size()) return std::nullopt;
-    int number = prn;
-    if (systems[system] == System::Glonass) number -= 37;
-    if (systems[system] == System::Sbas) number -= 100;
-    if (systems[system] == System::Qzss) number -= 192;
-    const int most = system == 0 ? 32 : 99;
-    if (number < 1 || number > most) return std::nullopt;
-    return SatelliteId{systems[system], static_cast<std::uint8_t>(number)};
-}
-
-/// Signal types of the channel status [NovAtelOEM7:RANGE].
-// clang-format off
-constexpr std::array<SignalCode, 33> signal_codes = {{
-    {System::Gps, 0, {'1', 'C'}},     {System::Gps, 5, {'2', 'P'}},     {System::Gps, 9, {'2', 'W'}},      {System::Gps, 14, {'5', 'Q'}},
-    {System::Gps, 16, {'1', 'L'}},    {System::Gps, 17, {'2', 'S'}},    {System::Glonass, 0, {'1', 'C'}},  {System::Glonass, 1, {'2', 'C'}},
-    {System::Glonass, 5, {'2', 'P'}}, {System::Glonass, 6, {'3', 'Q'}}, {System::Sbas, 0, {'1', 'C'}},     {System::Sbas, 6, {'5', 'I'}},
-    {System::Galileo, 2, {'1', 'C'}}, {System::Galileo, 6, {'6', 'B'}}, {System::Galileo, 7, {'6', 'C'}},  {System::Galileo, 12, {'5', 'Q'}},
-    {System::Galileo, 17, {'7', 'Q'}}, {System::Galileo, 20, {'8', 'Q'}}, {System::BeiDou, 0, {'2', 'I'}}, {System::BeiDou, 1, {'7', 'I'}},
-    {System::BeiDou, 2, {'6', 'I'}},  {System::BeiDou, 4, {'2', 'I'}},  {System::BeiDou, 5, {'7', 'I'}},   {System::BeiDou, 6, {'6', 'I'}},
-    {System::BeiDou, 7, {'1', 'P'}},  {System::BeiDou, 9, {'5', 'P'}},  {System::BeiDou, 11, {'7', 'D'}},  {System::Qzss, 0, {'1', 'C'}},
-    {System::Qzss, 14, {'5', 'Q'}},   {System::Qzss, 16, {'1', 'L'}},   {System::Qzss, 17, {'2', 'S'}},    {System::Qzss, 27, {'6', 'L'}},
-    {System::Navic, 0, {'5', 'A'}},
-}};
-// clang-format on
 
 class RawReader {
 public:
@@ -84,7 +58,8 @@ public:
         const Time now{m.ns};
         if (detail::is_compressed(m)) ++compressed;
         switch (m.id) {
-            case range: ranges(m, now); break;
+            case range:
+            case compressed_range: ranges(m, now); break;
             case gps_ephemeris: gps(m, now); break;
             case raw_ephemeris: subframes(m, now); break;
             case glonass_ephemeris: glonass(m); break;
@@ -97,6 +72,8 @@ public:
 
     /// To be called after the last log.
     void finish() {
+        name_lowest_channels();
+        omit_epochs_in_full();
         order_epochs();
         find_losses();
     }
@@ -113,6 +90,7 @@ private:
 
     void ranges(const NovatelMessage& m, Time now) {
         NovatelFields f(m);
+        const bool is_compressed = m.id == compressed_range;
         const auto count = f.next<std::uint32_t>();
         constexpr std::uint32_t most = 1000;
         if (count == 0 || count > most) return;
@@ -120,7 +98,10 @@ private:
         gnss::ObservationEpoch epoch;
         epoch.time = now;
         epoch.first = log.observations.size();
-        for (std::uint32_t i = 0; i < count && !f.is_short(); ++i) measurement(f);
+        for (std::uint32_t i = 0; i < count && !f.is_short(); ++i) {
+            const NovatelRange r = is_compressed ? detail::compressed_range_of(f) : detail::range_of(f);
+            if (!f.is_short()) measurement(r, is_compressed);
+        }
         std::ranges::stable_sort(measured_, {}, [](const Measured& x) { return x.of.satellite; });
         for (const Measured& x : measured_) {
             log.observations.push_back(x.of);
@@ -128,7 +109,25 @@ private:
         }
         measured_.clear();
         epoch.count = log.observations.size() - epoch.first;
-        if (epoch.count > 0) log.epochs.push_back(epoch);
+        if (epoch.count == 0) return;
+        log.epochs.push_back(epoch);
+        if (is_compressed) compressed_epochs_.insert(log.epochs.size() - 1);
+        else in_full_.insert(now);
+    }
+
+    /// Epochs of RANGECMP that RANGE gives at full resolution.
+    void omit_epochs_in_full() {
+        if (compressed_epochs_.empty() || in_full_.empty()) return;
+        std::vector<bool> kept(result.observations.epochs.size(), true);
+        for (const std::size_t i : compressed_epochs_) kept[i] = !in_full_.contains(result.observations.epochs[i].time);
+        keep(kept);
+    }
+
+    /// Old firmware leaves the frequency number of RANGECMP zero: that is channel -7 only if others are given.
+    void name_lowest_channels() {
+        if (!channels_given_) return;
+        for (const std::uint8_t slot : zero_channels_)
+            if (std::int8_t& channel = result.observations.channels.of_slot[slot]; channel == gnss::unknown_channel) channel = -7;
     }
 
     /// Omits the smallest number of epochs that makes the times increase: a single late stamp, not all epochs after it.
@@ -148,6 +147,11 @@ private:
         repeated = log.epochs.size() - ends.size();
         std::vector<bool> kept(log.epochs.size(), false);
         for (std::size_t i = ends.back(); i != none; i = before[i]) kept[i] = true;
+        keep(kept);
+    }
+
+    void keep(const std::vector<bool>& kept) {
+        gnss::ObservationLog& log = result.observations;
         std::size_t n = 0, to = 0;
         for (std::size_t i = 0; i < log.epochs.size(); ++i) {
             if (!kept[i]) continue;
@@ -191,40 +195,34 @@ private:
         }
     }
 
-    void measurement(NovatelFields& f) {
-        const int prn = f.next<std::uint16_t>(), frequency = f.next<std::uint16_t>();
-        const double psr = f.next<double>();
-        f.skip(4, 1);  // its sigma
-        const double adr = f.next<double>();
-        f.skip(4, 1);
-        const double doppler = static_cast<double>(f.next<float>()), cn0 = static_cast<double>(f.next<float>());
-        const float locked = f.next<float>();
-        const std::uint32_t status = f.hex();
-        if (f.is_short()) return;
-        const auto satellite = satellite_of(status >> 16 & 7U, prn);
-        const auto signal = satellite ? detail::signal_of(signal_codes, satellite->system, status >> 21 & 0x1FU) : std::nullopt;
-        if (!signal) {
+    void measurement(const NovatelRange& r, bool is_compressed) {
+        if (!r.signal) {
             ++unknown_signals;
             return;
         }
-        const bool phase_locked = (status & 1U << 10) != 0, parity_known = (status & 1U << 11) != 0,
-                   code_locked = (status & 1U << 12) != 0, half_added = (status & 1U << 28) != 0;
+        const bool phase_locked = (r.status & 1U << 10) != 0, parity_known = (r.status & 1U << 11) != 0,
+                   code_locked = (r.status & 1U << 12) != 0, half_added = (r.status & 1U << 28) != 0;
         gnss::SignalObservation o;
-        o.satellite = *satellite;
-        o.signal = *signal;
-        if (code_locked && psr > 1e6 && psr < 1e9) o.pseudorange = psr;
-        if (phase_locked && std::isfinite(adr) && std::abs(adr) < 1e10 && adr != 0.0)
-            o.phase = -adr;  // the phase in the log decreases as the range increases
-        if (std::isfinite(doppler) && std::abs(doppler) < 1e6) o.doppler = doppler;
-        if (cn0 > 0.0 && cn0 < 100.0) o.cn0 = cn0;
-        if (satellite->system == System::Glonass && frequency <= 20) {
-            std::int8_t& channel = result.observations.channels.of_slot[satellite->number];
-            if (channel == gnss::unknown_channel) channel = static_cast<std::int8_t>(frequency - 7);
+        o.satellite = r.satellite;
+        o.signal = *r.signal;
+        if (code_locked && r.psr > 1e6 && r.psr < 1e9) o.pseudorange = r.psr;
+        if (phase_locked && std::isfinite(r.adr) && std::abs(r.adr) < 1e10 && r.adr != 0.0)
+            o.phase = -r.adr;  // the phase in the log decreases as the range increases
+        if (std::isfinite(r.doppler) && std::abs(r.doppler) < 1e6) o.doppler = r.doppler;
+        if (r.cn0 > 0.0 && r.cn0 < 100.0) o.cn0 = r.cn0;
+        if (r.satellite.system == System::Glonass && r.channel) {
+            channels_given_ = channels_given_ || is_compressed;
+            std::int8_t& channel = result.observations.channels.of_slot[r.satellite.number];
+            if (channel == gnss::unknown_channel) channel = static_cast<std::int8_t>(*r.channel);
+        } else if (r.satellite.system == System::Glonass && is_compressed) {
+            zero_channels_.insert(r.satellite.number);
         }
+        auto& unlocked = unlocked_[is_compressed ? 1 : 0];
         const bool has_phase = std::isfinite(o.phase);
-        const bool behind_a_gap = has_phase && unlocked_.erase({o.satellite, o.signal}) > 0;
-        if (!has_phase) unlocked_.insert({o.satellite, o.signal});
-        if (std::isfinite(o.pseudorange) || has_phase) measured_.push_back({o, {locked, half_added, parity_known, behind_a_gap}});
+        const bool behind_a_gap = has_phase && unlocked.erase({o.satellite, o.signal}) > 0;
+        if (!has_phase) unlocked.insert({o.satellite, o.signal});
+        if (std::isfinite(o.pseudorange) || has_phase)
+            measured_.push_back({o, {r.locked, half_added, parity_known, behind_a_gap}});
     }
 
     void add(const gnss::KeplerEphemeris& k) {
@@ -267,22 +265,11 @@ private:
     void subframes(const NovatelMessage& m, Time now) {
         NovatelFields f(m);
         const auto satellite = satellite_of(0, static_cast<int>(std::min<std::uint32_t>(f.next<std::uint32_t>(), 1000)));
-        constexpr std::size_t size = 30, head = 12, head_cells = 3;
-        if (!satellite || (m.name.empty() ? m.payload.size() < head + 3 * size : m.cells.size() < head_cells + 3)) return;
+        constexpr std::size_t size = 30;
+        f.skip(8, 2);  // reference week and seconds
         for (std::size_t s = 0; s < 3; ++s) {
-            std::string bytes(m.name.empty() ? m.payload.substr(head + s * size, size) : std::string_view{});
-            if (!m.name.empty()) {
-                const std::string_view text = m.cells[head_cells + s];
-                const auto digit = [](char c) {
-                    return c >= '0' && c <= '9'   ? c - '0'
-                           : c >= 'a' && c <= 'f' ? c - 'a' + 10
-                           : c >= 'A' && c <= 'F' ? c - 'A' + 10
-                                                  : 0;
-                };
-                for (std::size_t i = 0; i + 1 < text.size(); i += 2)
-                    bytes += static_cast<char>(digit(text[i]) << 4 | digit(text[i + 1]));
-            }
-            if (bytes.size() != size) return;
+            const std::string bytes = f.bytes(size);
+            if (!satellite || bytes.empty()) return;
             std::array<std::uint32_t, 10> words{};
             for (std::size_t i = 0; i < size; ++i) words[i / 3] = words[i / 3] << 8 | static_cast<unsigned char>(bytes[i]);
             (void)frames_.gps_subframe(*satellite, words, now);
@@ -399,9 +386,13 @@ private:
         if (leap >= 0 && leap < 100) result.navigation.leap_seconds = leap;
     }
 
-    std::vector<Measured> measured_;                     ///< of the current epoch
-    std::vector<Lock> locks_;                            ///< of each observation
-    std::set<std::pair<SatelliteId, Signal>> unlocked_;  ///< whose last measurement had no phase
+    std::vector<Measured> measured_;                                    ///< of the current epoch
+    std::vector<Lock> locks_;                                           ///< of each observation
+    std::array<std::set<std::pair<SatelliteId, Signal>>, 2> unlocked_;  ///< whose last measurement had no phase: RANGE, RANGECMP
+    std::set<std::size_t> compressed_epochs_;
+    std::set<Time> in_full_;                ///< epochs of RANGE
+    std::set<std::uint8_t> zero_channels_;  ///< GLONASS slots whose frequency number is zero in RANGECMP
+    bool channels_given_ = false;           ///< others have one
     detail::FrameCollector frames_;
 };
 

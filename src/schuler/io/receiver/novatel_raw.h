@@ -9,7 +9,7 @@
 namespace schuler::io {
 
 struct NovatelRaw {
-    gnss::ObservationLog observations;  ///< of RANGE, of the first antenna
+    gnss::ObservationLog observations;  ///< of RANGE, else RANGECMP, of the first antenna
     gnss::Navigation navigation;        ///< of GPSEPHEM or RAWEPHEM, GLOEPHEMERIS, GALEPHEMERIS, BDSEPHEMERIS, IONUTC
 };
 

@@ -290,8 +290,14 @@ std::vector<std::string> canonical_names(TableKind kind) {
     return names;
 }
 
-/// Latitudes beyond 360, as which no longitude can be exchanged, whose minutes stay below 60 in every row, with such longitudes:
-/// degrees and minutes. Within four degrees of the equator they do not show.
+/// Digits before the decimal point.
+static std::size_t whole_digits(std::string_view text) {
+    const std::size_t first = std::min(text.find_first_of("0123456789"), text.size());
+    return std::min(text.find_first_not_of("0123456789", first), text.size()) - first;
+}
+
+/// Degrees and minutes: the minutes stay below 60 in every row, and the latitudes or the longitudes are beyond 360, as which no angle
+/// in degrees is written, or both have all the digits of NMEA (0030.50, 00130.25), as near the equator and Greenwich.
 static void find_degrees_minutes(ColumnPlan& plan, const TableLayout& layout, const ColumnOverrides& overrides) {
     constexpr double quarter = 90.0, circle = 360.0, hundred = 100.0, sixty = 60.0;
     std::array<ColumnMatch*, 2> found{};
@@ -302,19 +308,21 @@ static void find_degrees_minutes(ColumnPlan& plan, const TableLayout& layout, co
     if (found[0] == nullptr || found[1] == nullptr || overrides.scale.contains("lat_deg") || overrides.scale.contains("lon_deg"))
         return;
     std::size_t rows = 0;
-    double lowest = quarter * hundred;
+    std::array<double, 2> lowest{quarter * hundred, quarter * hundred};
+    bool all_digits = true;
     for (const std::vector<std::string>& row : layout.sample) {
         for (std::size_t i = 0; i < 2; ++i) {
             const auto column = static_cast<std::size_t>(found[i]->column);
             const double value = column < row.size() ? std::abs(detail::angle_with_hemisphere(row[column])) : not_given;
             if (std::isnan(value)) continue;
             if (value >= (i == 0 ? 1.0 : 2.0) * quarter * hundred + hundred || std::fmod(value, hundred) >= sixty) return;
-            if (i == 1 || value == 0.0) continue;
-            lowest = std::min(lowest, value);
-            ++rows;
+            if (value == 0.0) continue;  // before the first fix
+            all_digits = all_digits && whole_digits(row[column]) == 4 + i;
+            lowest[i] = std::min(lowest[i], value);
+            if (i == 0) ++rows;
         }
     }
-    if (rows == 0 || lowest <= circle) return;
+    if (rows == 0 || (std::ranges::max(lowest) <= circle && !all_digits)) return;
     for (ColumnMatch* match : found) {
         match->degrees_minutes = true;
         match->unit_stated = true;

@@ -59,6 +59,14 @@ void add_file(OptionTable<Config>& table, const std::string& section, const std:
                             [=](auto& c) -> auto& { return source(c).time_offset; }));
 }
 
+template <class Access>
+void add_parts(OptionTable<Config>& table, const std::string& section, Access source) {
+    table.add(file_list(
+        section + ".parts",
+        "further files of the log in parts, with the same columns; joined in order of time, rows that repeat are left out",
+        [=](auto& c) -> auto& { return source(c).parts; }));
+}
+
 /// A log whose columns are named as in the interface.
 template <class Access>
 void add_plain_file(OptionTable<Config>& table, const std::string& section, const std::string& what, Access source) {
@@ -117,14 +125,18 @@ void add_dataset_options(OptionTable<Config>& table) {
         .add(number<Config>("earth.rotation_rad_s", 1.0, 0.0, 1e-3, "rotation rate of the Earth",
                             [](auto& c) -> auto& { return c.filter.earth.ellipsoid.w_ie; }));
     add_file(table, "imu", "IMU log: CSV or the text format of KF-GINS", [](auto& c) -> auto& { return c.imu; });
+    add_parts(table, "imu", [](auto& c) -> auto& { return c.imu; });
     table.add(number<Config>(
         "imu.clock_drift_ppm", 1e-6, -1e4, 1e4,
         "rate error, positive when fast, of the clock of this log and of those of barometer, magnetometer and odometer; counted from the first row",
         [](auto& c) -> auto& { return c.clock_drift; }));
     add_file(table, "gnss", "receiver's solution: CSV, RTKLIB .pos, NMEA or the text format of KF-GINS",
              [](auto& c) -> auto& { return c.gnss; });
+    add_parts(table, "gnss", [](auto& c) -> auto& { return c.gnss; });
     add_file(table, "baro", "barometer log", [](auto& c) -> auto& { return c.baro; });
+    add_parts(table, "baro", [](auto& c) -> auto& { return c.baro; });
     add_file(table, "mag", "magnetometer log", [](auto& c) -> auto& { return c.mag; });
+    add_parts(table, "mag", [](auto& c) -> auto& { return c.mag; });
     add_plain_file(table, "odometer", "wheel speed, time_s, speed_m_s [, std_m_s]", [](auto& c) -> auto& { return c.odometer; });
     add_plain_file(table, "heading", "heading of a dual-antenna receiver or a gyrocompass, time_s, heading_deg [, std_deg]",
                    [](auto& c) -> auto& { return c.heading; });

@@ -22,7 +22,7 @@ int digit_of(char c) {
 // clang-format off
 int id_of(std::string_view name) {
     static const std::map<std::string_view, int> ids = {{"GPSEPHEM", 7},        {"IONUTC", 8},          {"RAWEPHEM", 41},       {"RANGE", 43},
-                                                        {"GLOEPHEMERIS", 723},  {"GALEPHEMERIS", 1122}, {"BDSEPHEMERIS", 1696}, {"INSCONFIG", 1945}};
+                                                        {"RANGECMP", 140},      {"GLOEPHEMERIS", 723},  {"GALEPHEMERIS", 1122}, {"BDSEPHEMERIS", 1696}, {"INSCONFIG", 1945}};
     // clang-format on
     const auto it = ids.find(name);
     return it == ids.end() ? 0 : it->second;
@@ -141,12 +141,15 @@ std::int64_t novatel_time(double week, double seconds) {
 void tell_compressed(const std::string& file, std::size_t count, WarningLog& warnings) {
     warnings.add(
         file + " novatel.compressed",
-        fmt::format("{}: compressed raw measurements (RANGECMP) are not read: log RANGE, or convert them to RANGE", file), count);
+        fmt::format(
+            "{}: raw measurements in RANGECMP2, RANGECMP4 or RANGECMP5 are not read: log RANGE or RANGECMP, or convert them",
+            file),
+        count);
 }
 
 bool is_compressed(const NovatelMessage& m) {
-    static constexpr std::array ids{140, 1273, 2050, 2537};  // RANGECMP, RANGECMP2, RANGECMP4, RANGECMP5
-    return m.name.empty() ? std::ranges::find(ids, m.id) != ids.end() : m.name.starts_with("RANGECMP");
+    static constexpr std::array ids{1273, 2050, 2537};  // RANGECMP2, RANGECMP4, RANGECMP5
+    return m.name.empty() ? std::ranges::find(ids, m.id) != ids.end() : m.name.starts_with("RANGECMP") && m.name != "RANGECMP";
 }
 
 NovatelScan scan_novatel(std::string_view bytes, const std::function<bool(const NovatelMessage&)>& take) {
@@ -191,6 +194,24 @@ std::uint32_t NovatelFields::hex() {
         value = value << 4 | static_cast<unsigned>(digit);
     }
     return value;
+}
+
+std::string NovatelFields::bytes(std::size_t size) {
+    std::string out;
+    if (m_.name.empty()) {
+        if (at_ + size <= m_.payload.size()) out = m_.payload.substr(at_, size);
+        at_ += size;
+    } else if (at_ < m_.cells.size()) {
+        const std::string_view digits = m_.cells[at_++];
+        for (std::size_t i = 0; digits.size() == 2 * size && i < digits.size(); i += 2) {
+            const int high = digit_of(digits[i]), low = digit_of(digits[i + 1]);
+            if (high < 0 || low < 0) break;
+            out += static_cast<char>(high << 4 | low);
+        }
+    }
+    if (out.size() == size) return out;
+    short_ = true;
+    return {};
 }
 
 bool NovatelFields::flag() {

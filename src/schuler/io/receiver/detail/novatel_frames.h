@@ -37,7 +37,7 @@ struct NovatelScan {
 /// Passes every log to `take`, until that returns false.
 NovatelScan scan_novatel(std::string_view bytes, const std::function<bool(const NovatelMessage&)>& take);
 
-/// Compressed raw measurements (RANGECMP and similar logs) are not read.
+/// The more compressed raw measurements (RANGECMP2, 4 and 5) are not read.
 void tell_compressed(const std::string& file, std::size_t count, WarningLog& warnings);
 [[nodiscard]] bool is_compressed(const NovatelMessage& m);
 
@@ -66,6 +66,8 @@ public:
     }
     /// An integer written in base 16 in ASCII.
     [[nodiscard]] std::uint32_t hex();
+    /// Raw bytes, in ASCII one cell with two digits of base 16 each; empty if there are not so many.
+    [[nodiscard]] std::string bytes(std::size_t size);
     /// A Boolean of four bytes, TRUE or FALSE in ASCII.
     [[nodiscard]] bool flag();
     /// Skips bytes, or the corresponding number of ASCII cells.

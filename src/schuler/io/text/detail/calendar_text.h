@@ -75,6 +75,20 @@ struct MinuteAndRest {
     return sys_days(std::chrono::year{year} / month / day).time_since_epoch().count();
 }
 
+/// The year, and the first two numbers, of a date with the year last (05/03/2024) of which both could be the month.
+struct OpenDate {
+    int first, second, year;
+};
+[[nodiscard]] inline std::optional<OpenDate> open_date(std::string_view text) {
+    text = trimmed(text.substr(0, text.find_first_of(" T")));
+    const std::size_t one = text.find_first_of("-/."), two = text.find_first_of("-/.", one + 1);
+    if (one == std::string_view::npos || two == std::string_view::npos || one > 2 || text.size() - two != 5) return std::nullopt;
+    const auto a = small_integer(text.substr(0, one)), b = small_integer(text.substr(one + 1, two - one - 1)),
+               c = small_integer(text.substr(two + 1));
+    if (!a || !b || !c || *a == *b || days_of_date(text, false) || !days_of_date(text, true)) return std::nullopt;
+    return OpenDate{*a, *b, *c};
+}
+
 /// Hours of the day from those of a clock of twelve.
 [[nodiscard]] inline int hour_of_twelve(int hour, bool afternoon) { return hour % 12 + (afternoon ? 12 : 0); }
 
