@@ -131,7 +131,8 @@ struct InertialFilter {
     /// Two sigma of a rate of this variance, rad/s: the motion of a lever arm at a lower one tells nothing.
     [[nodiscard]] double uncertain_rate(double rate_variance) const;
     [[nodiscard]] double heading_variance(const InertialModel& model) const;  ///< rad^2
-    /// Mean square change of the specific force within a time of mean square `time2` (s^2), local level, m^2/s^4.
+    /// Mean square change of the specific force within a time of mean square `time2` (s^2), local level, m^2/s^4. With Earth-fixed
+    /// axes the sum is right, its directions are mixed: the squares are kept without the correlations of the axes.
     [[nodiscard]] Eigen::Vector3d force_change_square(const InertialModel& model, double time2) const;
 
     // The following functions require the covariance at the time of the nominal state.
