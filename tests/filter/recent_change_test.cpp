@@ -24,7 +24,7 @@ double at_the_peak(double frequency, double amplitude, double time) {
     RecentChange recent;
     for (double t = end - 5.0; t <= end; t += dt)
         recent.add({0.5, amplitude * std::cos(w * t), 0.0}, {0.0, -amplitude * w * std::sin(w * t), 0.0}, dt);
-    return std::sqrt(recent.change_square(time * time, 0.0, dt)(1));
+    return std::sqrt(recent.total_change_square(time * time, 0.0, dt));
 }
 
 TEST(RecentChange, KnowsTheChangeOfAVibrationAtItsPeak) {
@@ -44,7 +44,7 @@ TEST(RecentChange, DoesNotCountTheNoise) {
         const Vector3d rate = std::sqrt(psd / dt) * Vector3d(random.normal(), random.normal(), random.normal());
         recent.add(rate, (rate - before) / dt, dt);
         before = rate;
-        if (i > 100) sum += recent.change_square(0.02 * 0.02, psd, dt).sum() / 1900.0;
+        if (i > 100) sum += recent.total_change_square(0.02 * 0.02, psd, dt) / 1900.0;
     }
     EXPECT_LT(sum, 0.5 * 6.0 * psd / dt);  // of its change between two times
 }

@@ -207,7 +207,7 @@ double InertialFilter<Frame>::rate_variance(const InertialModel& model) const {
         const double estimate = parameters(latency) - error(latency);
         late += P(latency, latency) + estimate * estimate;
     }
-    return extrapolated * model.gyro_psd / dt + recent_rate.change_square(late, model.gyro_psd, dt).sum();
+    return extrapolated * model.gyro_psd / dt + recent_rate.total_change_square(late, model.gyro_psd, dt);
 }
 
 template <class Frame>

@@ -27,12 +27,19 @@ struct RecentChange {
         derivative_square += weight * (derivative.cwiseAbs2() - derivative_square);
     }
 
-    /// Mean square change within a time of mean square `time2` (s^2), beyond that of white noise of the density `psd` (u^2 s) in
-    /// samples of `dt` (s); u^2.
+    /// Mean square change of each axis within a time of mean square `time2` (s^2), beyond that of white noise of the density `psd`
+    /// (u^2 s) in samples of `dt` (s); u^2.
     [[nodiscard]] Eigen::Vector3d change_square(double time2, double psd, double dt) const {
         const Eigen::Array3d derivative = derivative_square.array() - 2.0 * psd / (dt * dt * dt);
         const Eigen::Array3d variance = square.array() - mean.array().square() - psd / dt;
         return (time2 * derivative).min(2.0 * variance).max(0.0).matrix();
+    }
+
+    /// The same of the vector as a whole, sum over the axes: less affected by the noise of an axis that hardly changes.
+    [[nodiscard]] double total_change_square(double time2, double psd, double dt) const {
+        const double derivative = derivative_square.sum() - 6.0 * psd / (dt * dt * dt);
+        const double variance = square.sum() - mean.squaredNorm() - 3.0 * psd / dt;
+        return std::max(0.0, std::min(time2 * derivative, 2.0 * variance));
     }
 };
 
