@@ -73,7 +73,7 @@ std::optional<std::pair<Time, Time>> span_of(const fs::path& file) {
     }
 }
 
-/// The files that continue the first of these: named like it except for numbers, in order of time, without a common hour. Two receivers
+/// The files that continue the first of these: named like it except for numbers, in order of time, sharing less than a minute. Two receivers
 /// that measure at the same time are none.
 std::vector<std::string> with_parts(const fs::path& folder, const std::vector<std::string>& names) {
     struct Part {
