@@ -101,6 +101,16 @@ TEST(Start, HeadingThatNothingTellsStaysUndecided) {
     EXPECT_LT(std::abs(off), 3.0 * last.std_rpy.z());
 }
 
+/// Standstill found in the first `seconds`, s; none of it anywhere may be motion.
+double rest_found(const RunData& data, Time origin, double seconds) {
+    double rest = 0.0;
+    for (const StillWindow& w : data.still.windows) {
+        if ((w.end - origin).seconds() < seconds) rest += w.length;
+        EXPECT_LT(truth_at(*data.recording, w.end).velocity_n.norm(), 0.5) << (w.end - origin).seconds();
+    }
+    return rest;
+}
+
 TEST(Start, RestIsSeenInPositionsOfMetres) {
     sim::Scenario s = town_drive(4, 5.0, 150.0);
     shake(s);
@@ -108,12 +118,7 @@ TEST(Start, RestIsSeenInPositionsOfMetres) {
     Recording recording = sim::simulate(s).recording;
     without_velocities(recording);
     const RunData data = data_of(recording, settings_of(s));
-    double rest = 0.0;
-    for (const StillWindow& w : data.still.windows) {
-        if ((w.end - s.origin).seconds() < 38.0) rest += w.length;
-        EXPECT_LT(truth_at(recording, w.end).velocity_n.norm(), 0.5) << (w.end - s.origin).seconds();
-    }
-    EXPECT_GT(rest, 25.0);
+    EXPECT_GT(rest_found(data, s.origin, 38.0), 25.0);
 }
 
 // What a velocity is later than it is told is a state: estimated, and its error covered.
@@ -210,21 +215,13 @@ TEST(Still, IsFoundFromTheMeansOfNoisyVelocities) {
     scenario.gnss.white_velocity.setConstant(0.1);
     const Recording recording = sim::simulate(scenario).recording;
     const RunData data = data_of(recording, settings_of(scenario));
-    double rest = 0.0;
-    for (const StillWindow& w : data.still.windows) {
-        if ((w.end - scenario.origin).seconds() < 20.0) rest += w.length;
-        EXPECT_LT(truth_at(recording, w.end).velocity_n.norm(), 0.5) << (w.end - scenario.origin).seconds();
-    }
-    EXPECT_GT(rest, 15.0);
+    EXPECT_GT(rest_found(data, scenario.origin, 20.0), 15.0);
 }
 
 // A walker's antenna swings: a velocity that is late by a seventh of a period looks like a heading that is wrong by a seventh of a turn.
 TEST(Latency, OfASwingingAntennaIsNotTakenForTheHeading) {
     for (const std::uint64_t seed : {1u, 2u}) {
-        sim::Scenario s;
-        s.seed = seed;
-        s.duration = 200.0;
-        s.origin = Time::from_seconds(1000.0);
+        sim::Scenario s = town_drive(seed, 10.0, 200.0);
         sim::RoutePath route;
         route.start = {14.1 * deg, 76.8 * deg, 950.0};
         route.waypoints = {{30.0, -25.0, 0.0, 1.4},
@@ -240,7 +237,6 @@ TEST(Latency, OfASwingingAntennaIsNotTakenForTheHeading) {
         route.vibration = {1.5, 4.5 * deg, 1.4};
         s.path = route;
         s.imu.errors = sensor::imu_grade("consumer");
-        s.gnss.rate = 10.0;
         s.gnss.white_position = {0.4, 0.4, 0.6};
         s.gnss.white_velocity = {0.05, 0.05, 0.08};
         s.gnss.velocity_latency = 0.1;
@@ -256,6 +252,31 @@ TEST(Latency, OfASwingingAntennaIsNotTakenForTheHeading) {
             EXPECT_LT(std::abs(off), std::max(4.0 * row->std_rpy.z(), 5.0 * deg)) << seed << " " << off / deg;
             EXPECT_LT(row->std_rpy.z(), 15.0 * deg) << seed;
         }
+    }
+}
+
+// A unit that is shaken up and down by half a period within the latency: linear in it, the velocities would be refused.
+TEST(Latency, OfAShakenUnitIsFoundWithoutRefusals) {
+    for (const std::uint64_t seed : {1u, 2u}) {
+        sim::Scenario s = town_drive(seed, 10.0, 100.0);
+        std::get<sim::RoutePath>(s.path).vibration = {1.5, 0.0, 3.0};
+        s.gnss.lever_arm_b.setZero();
+        s.gnss.white_velocity.setConstant(0.02);
+        s.gnss.velocity_latency = 0.2;
+        const Recording recording = sim::simulate(s).recording;
+        Settings f = settings_of(s);
+        give_start(f, recording, seed);
+        f.gnss.latency_std = f.gnss.velocity_latency_std = 0.15;
+        const Result result = fuse(recording, f);
+        int refused = 0;
+        for (const AidRecord& a : result.aids)
+            refused += a.kind == AidKind::GnssVelocity && a.status == AidStatus::Rejected ? 1 : 0;
+        const auto block = std::ranges::find(result.states, "gnss_velocity_latency_error", &LayoutBlock::name);
+        ASSERT_NE(block, result.states.end());
+        const ParameterRow& last = result.forward.parameters.back();
+        const auto k = static_cast<std::size_t>(block->offset - 9);
+        EXPECT_EQ(refused, 0) << seed;
+        EXPECT_LT(std::abs(last.value[k] - 0.2), 3.0 * last.std[k]) << seed;
     }
 }
 

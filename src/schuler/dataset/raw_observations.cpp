@@ -2,7 +2,7 @@
 
 #include "schuler/core/error.h"
 #include "schuler/dataset/raw_gnss.h"
-#include "schuler/io/part_names.h"
+#include "schuler/io/log_parts.h"
 #include "schuler/io/raw_input.h"
 #include "schuler/io/text/columns.h"
 #include "schuler/io/text/text_input.h"
@@ -14,7 +14,6 @@
 #include <initializer_list>
 #include <iterator>
 #include <optional>
-#include <ranges>
 #include <string_view>
 
 namespace schuler::dataset {
@@ -61,47 +60,34 @@ int rover_points(const fs::path& file) {
     return type == "GEODETIC" ? -2 : points_by_name(file);
 }
 
-/// First and last epoch of a file of raw measurements.
-std::optional<std::pair<Time, Time>> span_of(const fs::path& file) {
+/// First and last epoch of a file of raw measurements, Unix time.
+std::optional<io::FileSpan> span_of(const fs::path& file) {
     try {
         WarningLog unheard;  // the run that reads it warns
         const io::RawInput raw = io::read_raw_input(file, {}, unheard);
         if (raw.observations.epochs.empty()) return std::nullopt;
-        return std::pair(raw.observations.epochs.front().time, raw.observations.epochs.back().time);
+        return io::FileSpan{raw.observations.epochs.front().time.seconds(), raw.observations.epochs.back().time.seconds()};
     } catch (const Error&) {
         return std::nullopt;
     }
 }
 
-/// The files that continue the first of these: named like it except for numbers, in order of time, sharing less than a minute. Two receivers
-/// that measure at the same time are none.
+/// The files of the log whose first found part is the first of these.
 std::vector<std::string> with_parts(const fs::path& folder, const std::vector<std::string>& names) {
-    struct Part {
-        std::string name;
-        Time first, last;
-    };
     std::vector<std::string> alike;
     std::ranges::copy_if(names, std::back_inserter(alike),
                          [&](const std::string& name) { return io::name_of_parts(name) == io::name_of_parts(names.front()); });
     if (alike.size() == 1) return alike;
-    std::vector<Part> parts;
+    std::vector<std::string> dated, parts;
+    std::vector<io::FileSpan> spans;
     for (const std::string& name : alike)
-        if (const auto span = span_of(folder / name)) parts.push_back({name, span->first, span->second});
-    if (parts.empty() || parts.front().name != names.front()) return {names.front()};
-    std::vector<Part> chain{parts.front()};
-    std::ranges::sort(parts, {}, &Part::first);
-    constexpr double longest_pause = 600.0, shared = 60.0;  // s
-    const auto joins = [&](const Part& a, const Part& b) {
-        const double pause = (b.first - a.last).seconds();
-        return b.last > a.last && pause > -shared && pause <= longest_pause;
-    };
-    for (const Part& p : parts)
-        if (joins(chain.back(), p)) chain.push_back(p);
-    for (const Part& p : parts | std::views::reverse)
-        if (joins(p, chain.front())) chain.insert(chain.begin(), p);
-    std::vector<std::string> out;
-    for (const Part& p : chain) out.push_back(p.name);
-    return out;
+        if (const auto span = span_of(folder / name)) {
+            dated.push_back(name);
+            spans.push_back(*span);
+        }
+    if (dated.empty() || dated.front() != names.front()) return {names.front()};
+    for (const std::size_t i : io::chain_of_parts(spans, 0)) parts.push_back(dated[i]);
+    return parts;
 }
 
 }  // namespace

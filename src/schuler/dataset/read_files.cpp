@@ -18,6 +18,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <optional>
 #include <utility>
 
 namespace schuler::dataset {
@@ -136,13 +137,18 @@ void read_gnss(const fs::path& folder, const Description& d, const Reading& read
         return;
     }
     if (d.gnss.file.empty()) return;
-    FixLog log;
+    std::optional<FixLog> log;
     std::vector<GnssFix> fixes = joined(folder, d.gnss, "gnss", logs, warnings, [&](const io::TextInput& input) {
-        log = read_fixes(input, d, reading, warnings);
-        return std::move(log.fixes);
+        FixLog part = read_fixes(input, d, reading, warnings);
+        if (log && (part.dated != log->dated || part.height != log->height))
+            throw input_error("has another time scale or another kind of heights than the part before",
+                              {input.name(), 0, 0, "gnss.parts"}, "give parts of one log of one receiver");
+        std::vector<GnssFix> its = std::move(part.fixes);
+        log = std::move(part);
+        return its;
     });
-    out.recording.gnss = log.dated ? on_own_axis(std::move(fixes), d.time, out.recording, log.offset) : std::move(fixes);
-    out.fix_height = log.height;
+    out.recording.gnss = log->dated ? on_own_axis(std::move(fixes), d.time, out.recording, log->offset) : std::move(fixes);
+    out.fix_height = log->height;
 }
 
 void read_others(const fs::path& folder, const Description& d, const Reading& reading, io::LogFiles& logs, ReadFiles& out,

@@ -6,6 +6,7 @@
 #include "schuler/solution/bundle.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace schuler::solution {
@@ -65,6 +66,7 @@ public:
             add("gnss.refused", "{} of {} fixes were refused", n.gnss_rejected, met);
         longest_refusal();
         explained_refusals();
+        refused_instruments();
         constexpr double long_hole = 1.0;  // s
         if (n.longest_imu_gap > long_hole) add("imu.hole", "a hole of {:.1f} s in the IMU log was bridged", n.longest_imu_gap);
     }
@@ -227,6 +229,21 @@ private:
             from = since;
         }
         if (longest > many) add("gnss.lost", "all fixes were refused for {:.0f} s from {:.0f} s on", longest, b_.relative(from));
+    }
+
+    /// An instrument whose measurements are mostly refused contradicts the solution; which of the two is right, the gate does not decide.
+    void refused_instruments() {
+        constexpr std::size_t enough = 10;
+        std::array<Inside, filter::measurement_kinds> used;
+        for (const fusion::AidRecord& r : b_.result.aids)
+            if (r.status != AidStatus::Withheld) used[static_cast<std::size_t>(r.kind)].add(r.status == AidStatus::Accepted);
+        for (const AidKind kind :
+             {AidKind::Baro, AidKind::Mag, AidKind::Odometer, AidKind::Heading, AidKind::Gauges, AidKind::BodyVelocity}) {
+            const Inside& n = used[static_cast<std::size_t>(kind)];
+            if (n.epochs >= enough && n.share() < 0.5)
+                add("instrument.refused", "{} of {} measurements were refused ({}): they contradict the solution",
+                    n.epochs - n.inside, n.epochs, filter::info_of(kind).name);
+        }
     }
 
     const ResultBundle& b_;

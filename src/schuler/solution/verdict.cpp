@@ -36,6 +36,8 @@ constexpr std::array table{
     Row{"gnss.jump", Gravity::Care},             // its positions moved to another level
     Row{"navigation.lost", Gravity::Care},       // attitude and biases were re-estimated
     Row{"navigation.realigned", Gravity::Care},  // all of the initial state as well
+    // about the other instruments
+    Row{"instrument.refused", Gravity::Care},  // more than used
     // about the self-check
     Row{"self_check.failed", Gravity::DoNotUse},  // nine tenths or fewer inside three sigma
     Row{"self_check.low", Gravity::Care},

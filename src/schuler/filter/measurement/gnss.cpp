@@ -15,15 +15,18 @@ Vector3d lever_arm(const Estimate& e, const Vector3d& given) {
     return e.layout.lever_arm < 0 ? given : Vector3d(e.parameters.segment<3>(e.layout.lever_arm));
 }
 
+/// s: the fix gives the antenna as it was so long before. `state`: -1 if it is none.
+double latency(const Estimate& e, int state) { return state < 0 ? 0.0 : e.parameters(state); }
+
 }  // namespace
 
 Measurement gnss_position(const Estimate& e, const Geodetic& measured, const Vector3d& variance, const Vector3d& lever_arm_b,
                           Components use) {
     const Vector3d l_b = lever_arm(e, lever_arm_b);
     const Vector3d difference = earth::ned_difference(e.earth, e.nav.position, measured);
-    const int latency = e.layout.gnss_latency;
-    const double late = latency >= 0 ? e.parameters(latency) : 0.0;  // s: the fix gives the antenna as it was so long before
-    const Vector3d w_eb_b = latency >= 0 ? rate_to_earth(e) : Vector3d(Vector3d::Zero());
+    const int state = e.layout.gnss_latency;
+    const double late = latency(e, state);
+    const Vector3d w_eb_b = state >= 0 ? rate_to_earth(e) : Vector3d(Vector3d::Zero());
     const Vector3d s_n = e.C_nb * w_eb_b.cross(l_b), l_n = e.C_nb * l_b - late * s_n;
     const Vector3d v_n = e.nav.v_eb_n + s_n;
     const Matrix3d by_attitude = skew(l_n), by_gyro_bias = -late * e.C_nb * skew(l_b);
@@ -36,11 +39,11 @@ Measurement gnss_position(const Estimate& e, const Geodetic& measured, const Vec
         position_of(row)(axis) = 1.0;
         attitude_of(row) = by_attitude.row(axis).transpose();
         if (e.layout.lever_arm >= 0) row.add3(e.layout.lever_arm, by_lever_arm.row(axis).transpose());
-        if (latency >= 0) {
+        if (state >= 0) {
             m.innovation(m.dof - 1) += late * (0.5 * late * e.a_n(axis) - e.nav.v_eb_n(axis));
             velocity_of(row)(axis) = -late;
             row.add3(Layout::gyro_bias, by_gyro_bias.row(axis).transpose());
-            row.add(latency, late * e.a_n(axis) - v_n(axis));
+            row.add(state, late * e.a_n(axis) - v_n(axis));
         }
         if (e.layout.gnss_position >= 0) {
             m.innovation(m.dof - 1) += e.parameters(e.layout.gnss_position + axis);
@@ -51,10 +54,10 @@ Measurement gnss_position(const Estimate& e, const Geodetic& measured, const Vec
 }
 
 Measurement gnss_velocity(const Estimate& e, const Vector3d& measured, const Vector3d& variance, const Vector3d& lever_arm_b,
-                          int latency, Components use) {
+                          int latency_state, Components use) {
     const Vector3d l_b = lever_arm(e, lever_arm_b);
     const Vector3d w_eb_b = rate_to_earth(e);
-    const double late = latency >= 0 ? e.parameters(latency) : 0.0;  // s: the fix gives the antenna as it was so long before
+    const double late = latency(e, latency_state);
     // The antenna turns about the unit: in a vibration, most of its acceleration.
     const Vector3d turned = w_eb_b.cross(l_b), turning = e.angular_acceleration.cross(l_b) + w_eb_b.cross(turned);
     const Vector3d a_n = e.a_n + e.C_nb * turning, s_n = e.C_nb * (turned - late * turning);
@@ -75,7 +78,7 @@ Measurement gnss_velocity(const Estimate& e, const Vector3d& measured, const Vec
         attitude_of(row) = by_attitude.row(axis).transpose();
         row.add3(Layout::gyro_bias, by_gyro_bias.row(axis).transpose());
         if (e.layout.lever_arm >= 0) row.add3(e.layout.lever_arm, by_lever_arm.row(axis).transpose());
-        if (latency >= 0) row.add(latency, -a_n(axis));
+        if (latency_state >= 0) row.add(latency_state, -a_n(axis));
         if (e.layout.gnss_velocity >= 0) {
             m.innovation(m.dof - 1) += e.parameters(e.layout.gnss_velocity + axis);
             row.add(e.layout.gnss_velocity + axis, 1.0);

@@ -20,12 +20,12 @@ struct LayoutBlock {
 /// Offsets of the error-state blocks. The first five are always present; an absent optional block has offset -1.
 class Layout {
 public:
-    static constexpr int position = 0;     ///< 3, m
-    static constexpr int velocity = 3;     ///< 3, m/s
-    static constexpr int attitude = 6;     ///< 3, rad
-    static constexpr int navigation = 9;   ///< number of states above; the rows of ParameterRow begin with the next one
-    static constexpr int gyro_bias = 9;    ///< 3, rad/s, body
-    static constexpr int accel_bias = 12;  ///< 3, m/s^2, body
+    static constexpr int position = 0;            ///< 3, m
+    static constexpr int velocity = 3;            ///< 3, m/s
+    static constexpr int attitude = 6;            ///< 3, rad
+    static constexpr int navigation = 9;          ///< number of states above; the rows of ParameterRow begin with the next one
+    static constexpr int gyro_bias = navigation;  ///< 3, rad/s, body
+    static constexpr int accel_bias = 12;         ///< 3, m/s^2, body
 
     int gyro_scale = -1;             ///< 3
     int accel_scale = -1;            ///< 3

@@ -140,8 +140,6 @@ void read_table(LoadedFile& file, const io::TableLayout& layout) {
     }
 }
 
-namespace {
-
 void take_cadence(LoadedFile& file) {
     file.cadence_origin_ns = file.time_ns.front();
     std::vector<double> seconds;
@@ -159,6 +157,8 @@ void take_cadence(LoadedFile& file) {
     file.report.start_s = origin + c.start;
     file.report.stop_s = origin + c.stop;
 }
+
+namespace {
 
 void report_cadence(LoadedFile& file) {
     const Cadence& c = file.cadence;
@@ -326,8 +326,6 @@ LoadedFile load_file(const std::filesystem::path& path, const std::string& name,
     finish(file);
     return file;
 }
-
-void renew_cadence(LoadedFile& file) { take_cadence(file); }
 
 void finish(LoadedFile& file) {
     if (file.time_ns.empty()) {

@@ -53,8 +53,8 @@ struct LoadedFile {
     void add_to_times(double seconds);
 };
 
-/// Rate and gaps of rows that were added.
-void renew_cadence(LoadedFile& file);
+/// Rate, gaps and span of the rows; again when some were added.
+void take_cadence(LoadedFile& file);
 /// Derived properties of the rows of a file: stray stamps, timing, missing values.
 void finish(LoadedFile& file);
 

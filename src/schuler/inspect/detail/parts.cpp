@@ -1,21 +1,19 @@
 #include "schuler/inspect/detail/parts.h"
 
+#include "schuler/io/log_parts.h"
 #include "schuler/io/own_files.h"
-#include "schuler/io/part_names.h"
 #include "schuler/io/streams.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <set>
 
 namespace schuler::inspect::detail {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Longer pauses are between recordings rather than between parts of one, s.
-constexpr double longest_pause = 600.0;
 
 struct Named {
     fs::path file;
@@ -34,12 +32,9 @@ bool is_named_like_a_part(const LoadedFile& a, const LoadedFile& b) {
            io::name_of_parts(x.file) == io::name_of_parts(y.file) && (x.stream == y.stream || !a.table || !b.table);
 }
 
-/// A log that begins at the end of another, or up to a fifth of the shorter before it: parts may share some rows.
-bool follows(const LoadedFile& a, const LoadedFile& b) {
-    constexpr double shared = 0.2;
-    const double shorter = std::min(a.report.stop_s - a.report.start_s, b.report.stop_s - b.report.start_s);
-    return b.report.start_s >= a.report.stop_s - shared * shorter && b.report.stop_s > a.report.stop_s;
-}
+io::FileSpan span_of(const LoadedFile& f) { return {f.report.start_s, f.report.stop_s}; }
+
+bool follows(const LoadedFile& a, const LoadedFile& b) { return io::follows(span_of(a), span_of(b)); }
 
 void append_rows(LoadedFile& file, const LoadedFile& part) {
     const std::int64_t end = file.time_ns.empty() ? INT64_MIN : *std::ranges::max_element(file.time_ns);
@@ -50,7 +45,7 @@ void append_rows(LoadedFile& file, const LoadedFile& part) {
         if (!file.fix.empty()) file.fix.push_back(part.fix.empty() ? FixType::Unknown : part.fix[i]);
     }
     file.fix_codes.insert(part.fix_codes.begin(), part.fix_codes.end());
-    renew_cadence(file);
+    take_cadence(file);
 }
 
 std::string interval_of(const LoadedFile& f) { return fmt::format("{:.1f} to {:.1f} s", f.report.start_s, f.report.stop_s); }
@@ -112,33 +107,23 @@ void join_given(LoadedFile& file, std::vector<LoadedFile> parts) {
 }
 
 LoadedFile* with_parts(Study& study, LoadedFile* chosen, const std::string& section) {
-    std::vector<LoadedFile*> chain{chosen}, others;
+    std::vector<LoadedFile*> candidates{chosen}, others, chain;
     for (LoadedFile& file : study.files) {
         const Named a(*chosen), b(file);
         if (&file == chosen || file.as.kind || file.computed || a.file == b.file ||
             a.file.parent_path() != b.file.parent_path() || is_result(file))
             continue;
-        others.push_back(&file);
+        const bool alike = file.table == chosen->table && file.report.columns == chosen->report.columns &&
+                           file.report.rows >= 2 && is_named_like_a_part(*chosen, file);
+        (alike ? candidates : others).push_back(&file);
     }
-    const auto joins = [&](const LoadedFile& a, const LoadedFile& b) {
-        return follows(a, b) && b.report.start_s - a.report.stop_s <= longest_pause;
-    };
-    for (bool grown = true; grown;) {
-        grown = false;
-        for (LoadedFile*& other : others) {
-            if (other == nullptr || other->table != chosen->table || other->report.columns != chosen->report.columns ||
-                other->report.rows < 2 || !is_named_like_a_part(*chosen, *other))
-                continue;
-            if (joins(*chain.back(), *other)) chain.push_back(other);
-            else if (joins(*other, *chain.front())) chain.insert(chain.begin(), other);
-            else continue;
-            other = nullptr;
-            grown = true;
-        }
-    }
+    std::vector<io::FileSpan> spans;
+    for (const LoadedFile* file : candidates) spans.push_back(span_of(*file));
+    for (const std::size_t i : io::chain_of_parts(spans, 0)) chain.push_back(candidates[i]);
+    std::ranges::copy_if(candidates, std::back_inserter(others),
+                         [&](const LoadedFile* file) { return std::ranges::find(chain, file) == chain.end(); });
     LoadedFile* first = chain.front();
-    for (const LoadedFile* other : others)
-        if (other != nullptr) tell_left_out(study, *chosen, *other, section);
+    for (const LoadedFile* other : others) tell_left_out(study, *chosen, *other, section);
     if (chain.size() == 1) return first;
     std::string names = first->report.path, breaks;
     bool pause = false;
