@@ -139,5 +139,24 @@ TEST(MissingNoise, TellsGyrosFromAccelerometers) {
     EXPECT_LT(found.accel, 0.5 * found.gyro);
 }
 
+// An increase is adopted where it makes the sigmas truer, and never where the filter diverges with it in any of the windows.
+TEST(Coverage, AnIncreaseThatHarmsAnyWindowsIsNotAdopted) {
+    const auto windows = [](std::size_t inside, double end) {
+        Coverage c;
+        c.epochs = c.horizontal = c.vertical = {100, inside};
+        c.held = {10, inside / 10};
+        c.end_rms = end;
+        return c;
+    };
+    const Coverage poor = windows(90, 3.0), good = windows(100, 3.5), far = windows(100, 40.0);
+    EXPECT_TRUE(was_missing({poor, good}, {poor, good}));
+    EXPECT_FALSE(was_missing({good, poor}, {poor, good}));
+    EXPECT_FALSE(was_missing({poor, far}, {poor, good}));
+    EXPECT_FALSE(was_missing({poor, good}, {poor, far}));
+    EXPECT_FALSE(was_missing({poor, good}, {poor, windows(100, std::nan(""))}));
+    EXPECT_TRUE(was_missing({good, good}, {poor, good}));  // the manoeuvre was in the other windows
+    EXPECT_FALSE(was_missing({good, good}, {good, good}));
+}
+
 }  // namespace
 }  // namespace schuler::solution

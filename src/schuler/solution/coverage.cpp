@@ -276,6 +276,17 @@ NoiseScale NoiseScale::times(const NoiseScale& more) const {
     return {rounded(std::min(most, gyro * more.gyro)), rounded(std::min(most, accel * more.accel)), apart || more.apart};
 }
 
+double Increase::gain() const {
+    return (after.epochs.share() - before.epochs.share()) + (after.held.share() - before.held.share());
+}
+
+bool Increase::harms() const { return !(after.end_rms < 1.5 * before.end_rms); }
+
+bool was_missing(const Increase& judges, const Increase& all) {
+    if (judges.harms() || all.harms()) return false;
+    return judges.gain() > 0.0 || (covers(judges.before) && covers(judges.after) && all.gain() > 0.0);
+}
+
 NoiseScale missing_noise(std::span<const WithheldEpoch> epochs, int axes) {
     const Fit fit(epochs, axes);
     const double most = std::pow(NoiseScale::most, 2.0 * power);

@@ -101,6 +101,22 @@ struct NoiseScale {
 /// True if this coverage is sufficient: in the epochs, and with at most one window in twenty lost.
 [[nodiscard]] bool covers(const Coverage& coverage);
 
+/// The same windows before and after an increase of the noise.
+struct Increase {
+    const Coverage &before, &after;
+
+    /// In the share of epochs and of windows.
+    [[nodiscard]] double gain() const;
+    /// The errors at the ends of the windows grow by half or more, or are no longer finite.
+    [[nodiscard]] bool harms() const;
+};
+
+/// Whether an increase of the noise is adopted, judged by the windows that did not determine it and by all. Noise that does not
+/// improve the sigmas of the judging windows was not missing; if they were already covered, for example with a single manoeuvre
+/// in the other windows, it is adopted if it improves all and still covers these. Noise that harms either is not adopted: a
+/// filter may diverge with it in a manoeuvre that only the other windows contain.
+[[nodiscard]] bool was_missing(const Increase& judges, const Increase& all);
+
 /// The missing noise: with it the sigmas match the errors, and wanted_coverage of these epochs would have been inside. The upper
 /// two-sigma limit of the likelihood is used, because few windows are weak evidence of small errors. After loss, velocity errors
 /// driven by the accelerometers grow as t^3 in variance, tilt driven by the gyros as t^5 [Groves2013]; both parts are fitted to

@@ -214,13 +214,7 @@ void check(SelfCheck& out, const LoadedDataset& data, const fusion::Result& resu
     }
     out.tried = scale;
     const Coverage all = coverage_of(both(now[0], now[1]), windows.length);
-    // Noise that does not improve the sigmas of the evaluated windows, or increases their errors considerably, was not missing. If
-    // they were already covered, for example with a single manoeuvre in the other windows, the noise is adopted if it covers these.
-    const auto gain = [](const Coverage& before, const Coverage& after) {
-        return (after.epochs.share() - before.epochs.share()) + (after.held.share() - before.held.share());
-    };
-    const bool truer = gain(without, with) > 0.0 || (covers(without) && covers(with) && gain(out.coverage, all) > 0.0);
-    if (!(truer && with.end_rms < 1.5 * without.end_rms)) return;
+    if (!was_missing({without, with}, {out.coverage, all})) return;
     out.before = without;
     out.coverage = with;
     out.all = all;
