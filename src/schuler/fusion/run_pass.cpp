@@ -4,6 +4,7 @@
 #include "schuler/filter/outputs.h"
 #include "schuler/filter/update/tape.h"
 #include "schuler/fusion/pass_collector.h"
+#include "schuler/fusion/trial.h"
 
 #include <algorithm>
 #include <chrono>
@@ -118,23 +119,71 @@ void smooth_back(const Pass<Frame>& pass, const InertialModel& model, const Sett
     std::ranges::reverse(out.outage_epochs);
 }
 
+bool is_refused_fix(const AidRecord& r) { return is_part_of_fix(r.kind) && r.status == AidStatus::Rejected; }
+
 /// Propagates the covariance when the tape does.
 template <class Frame>
 struct Rehearsal : PassObserver<Frame> {
     [[nodiscard]] bool wants_all_states(Time) const override { return true; }
+    void aid(const AidRecord& r) override { refused += is_refused_fix(r) ? 1 : 0; }
+    std::ptrdiff_t refused = 0;
+};
+
+template <class Frame>
+struct Rehearsed {
+    std::vector<FilterRun<Frame>> checkpoints;
+    std::ptrdiff_t refused = 0;  ///< parts of fixes
 };
 
 /// Repeats the run with the hypotheses that were finally accepted.
 template <class Frame>
-std::vector<FilterRun<Frame>> checkpoints_of(const Pass<Frame>& pass, FilterRun<Frame> run, std::size_t end) {
-    std::vector<FilterRun<Frame>> checkpoints;
-    Rehearsal<Frame> nobody;
+Rehearsed<Frame> rehearse(const Pass<Frame>& pass, FilterRun<Frame> run, std::size_t end) {
+    Rehearsed<Frame> out;
+    Rehearsal<Frame> observer;
     while (run.increment <= end) {
-        pass.propagate_covariance(run, nobody);
-        checkpoints.push_back(run);
-        pass.advance(run, std::min(end, run.increment + stretch - 1), nobody);
+        pass.propagate_covariance(run, observer);
+        out.checkpoints.push_back(run);
+        pass.advance(run, std::min(end, run.increment + stretch - 1), observer);
     }
-    return checkpoints;
+    out.refused = observer.refused;
+    return out;
+}
+
+/// The openings after a long time without an accepted fix, spread over that time: all at its end, the covariance would let the
+/// smoother correct nothing of the error within it. Empty if there are none.
+std::vector<Opening> gradual(const std::vector<Opening>& openings, const RunData& data) {
+    constexpr double shortest = 3.0, step = 1.0;  // s
+    constexpr int most = 30;                      // of one error
+    std::vector<Opening> out;
+    bool any = false;
+    for (const Opening& o : openings) {
+        if (o.span < shortest) {
+            out.push_back(o);
+            continue;
+        }
+        any = true;
+        const int parts = std::min(most, static_cast<int>(o.span / step));
+        const Time end = data.imu.increments[o.increment].time;
+        Opening one = o;
+        one.part = 1.0 / parts;
+        for (int k = parts; k > 0; --k) {
+            one.increment = increment_at(data, end - Duration::from_seconds(o.span * k / parts));
+            out.push_back(one);
+        }
+    }
+    return any ? out : std::vector<Opening>{};
+}
+
+/// The rehearsal with gradual openings; empty if the filter diverges with them, or rejects more parts of fixes than `most`.
+template <class Frame>
+std::vector<FilterRun<Frame>> rehearse_gradual(const Pass<Frame>& pass, const FilterRun<Frame>& first, std::size_t end,
+                                               std::ptrdiff_t most) {
+    try {
+        Rehearsed<Frame> rehearsed = rehearse(pass, first, end);
+        if (rehearsed.refused <= most) return std::move(rehearsed.checkpoints);
+    } catch (const Error&) {  // the openings at the end of that time were used without divergence
+    }
+    return {};
 }
 
 template <class Frame>
@@ -177,9 +226,22 @@ Result run_in(const RunData& data, const Settings& settings, const Start& start,
     hand_over.end();
     result.filter_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     if (options.smooth) {
-        const Pass<Frame> decided(model, data, settings, Rivalry::Decided, run.openings);
-        if (run.sides_changed > 0) checkpoints = checkpoints_of(decided, first_step<Frame>(model, data, settings, start), end);
-        smooth_back(decided, model, settings, data.imu.median_dt, checkpoints, end, block, options.progress, result.smoothed);
+        std::optional<Pass<Frame>> decided;
+        if (run.sides_changed > 0) {
+            const FilterRun<Frame> first = first_step<Frame>(model, data, settings, start);
+            checkpoints.clear();
+            if (const std::vector<Opening> openings = gradual(run.openings, data); !openings.empty()) {
+                decided.emplace(model, data, settings, Rivalry::Decided, openings);
+                checkpoints = rehearse_gradual(*decided, first, end, std::ranges::count_if(result.aids, is_refused_fix));
+            }
+            if (checkpoints.empty()) {
+                decided.emplace(model, data, settings, Rivalry::Decided, run.openings);
+                checkpoints = rehearse(*decided, first, end).checkpoints;
+            }
+        } else {
+            decided.emplace(model, data, settings, Rivalry::Decided, run.openings);
+        }
+        smooth_back(*decided, model, settings, data.imu.median_dt, checkpoints, end, block, options.progress, result.smoothed);
     }
     return result;
 }

@@ -197,7 +197,7 @@ inline void archive(Archive& a, RangeEpochWork& work) {  // the rest is recomput
 }
 SCHULER_ARCHIVED(RangeTracking::Phase, source, last, end, begin, tx_end, tx_begin)
 SCHULER_ARCHIVED(RangeTracking, slots, phases, cloned, watch, work)
-SCHULER_ARCHIVED(Opening, increment, position, velocity, rate, span, bias_jump)
+SCHULER_ARCHIVED(Opening, increment, position, velocity, rate, span, bias_jump, part)
 inline void archive(Archive& a, RefusedRun& run) { run.archive(a); }
 SCHULER_ARCHIVED(FixLevels, two, at_other, other, here, there)
 SCHULER_ARCHIVED(FixChannel, run, levels, fitted, innovation, sigma, fits, sum)

@@ -253,20 +253,26 @@ struct FixCount : PassObserver<Frame> {
 template <class Frame>
 void Pass<Frame>::open(FilterRun<Frame>& run, const Opening& o) const {
     // Start time and velocity: a tilt e causes g e T, a heading error the same fraction of the speed. If attitude was lost (a gap
-    // or fault of the inertial unit), the biases estimated since are wrong as well and restart.
+    // or fault of the inertial unit), the biases estimated since are wrong as well and restart. An error that arose gradually is a
+    // random walk of velocity, attitude and biases through the time: the velocity must reach twice its mean.
     auto& P = run.filter.P;
-    const double size2 = o.position.squaredNorm(), span = std::max(1.0, o.span);
+    const bool gradual = o.part > 0.0;
+    const double part = gradual ? o.part : 1.0;
+    const double size2 = o.position.squaredNorm() * (gradual ? 4.0 : 1.0), span = std::max(1.0, o.span);
     const double faster2 = std::max({size2 / (span * span), o.rate.squaredNorm(), o.velocity.squaredNorm()});
-    P.diagonal().template segment<3>(Layout::position).array() += size2;
-    P.diagonal().template segment<3>(Layout::velocity).array() += faster2;
+    if (!gradual) P.diagonal().template segment<3>(Layout::position).array() += size2;
+    P.diagonal().template segment<3>(Layout::velocity).array() += part * faster2;
     if (settings_.coupling == Coupling::Separate) return;  // it estimates neither attitude nor biases
     constexpr double most_tilt = 0.3, most_heading = 1.0;  // rad: beyond these the filter is not linear
     const double speed2 = std::max(1.0, run.filter.geographic(model_).v_eb_n.squaredNorm());
     const double tilt2 = std::min(most_tilt * most_tilt, faster2 / std::pow(units::g0 * span, 2));
     const double heading2 = std::min(most_heading * most_heading, faster2 / speed2);
     const Eigen::Matrix3d down = down_axis(run.filter);
-    P.template block<3, 3>(Layout::attitude, Layout::attitude) += tilt2 * (Eigen::Matrix3d::Identity() - down) + heading2 * down;
-    const auto reopen = [&P](int offset, double sigma) { P.diagonal().template segment<3>(offset).array() += sigma * sigma; };
+    P.template block<3, 3>(Layout::attitude, Layout::attitude) +=
+        part * (tilt2 * (Eigen::Matrix3d::Identity() - down) + heading2 * down);
+    const auto reopen = [&](int offset, double sigma) {
+        P.diagonal().template segment<3>(offset).array() += part * sigma * sigma;
+    };
     double rate = settings_.imu.errors.gyro_initial_bias(), force = settings_.imu.errors.accel_initial_bias();
     if (o.bias_jump > 0.0) {
         const double most_rate = 0.1 * o.bias_jump, most_force = 2.0 * o.bias_jump;  // rad/s, m/s^2
