@@ -68,9 +68,11 @@ void offsets(const std::vector<BroadTrial>& trials, const std::vector<std::vecto
         "where the sensor rests, where it moves\n");
     for (std::size_t i = 0; i < trials.size(); ++i) {
         const auto& recording = trials[i].data.recording;
+        WarningLog unheard;
+        const app::AhrsInput input = app::ahrs_input(trials[i].data, {}, unheard);
         Eigen::Vector3d rest = Eigen::Vector3d::Zero(), moving = Eigen::Vector3d::Zero();
         std::size_t k = 0;
-        for (const MagSample& m : recording.mag) {
+        for (const MagSample& m : input.mag) {
             while (k + 1 < recording.reference.size() && recording.reference[k + 1].time <= m.time) ++k;
             const ReferenceSample& r = recording.reference[k];
             if (!r.rpy.allFinite() || std::abs((r.time - m.time).seconds()) > 0.02) continue;

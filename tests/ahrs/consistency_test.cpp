@@ -13,6 +13,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 
 #include <cmath>
 #include <utility>
@@ -186,6 +187,39 @@ TEST(AhrsConsistency, AnAccelerometerBiasThatNothingShowsIsInTheSigmaOfTheTilt) 
             }
             EXPECT_GT(nees, 2.0 * math::chi_square_quantile(0.0005, logs) / logs) << offline << swing;
             EXPECT_LT(nees, 2.0 * math::chi_square_quantile(0.9995, logs) / logs) << offline << swing;
+        }
+    }
+}
+
+/// The share of the accelerometer bias in the sigma is what such a bias does to the attitude, found by adding one to the log.
+TEST(AhrsConsistency, TheShareOfTheAccelerometerBiasIsWhatOneDoes) {
+    Motion m;
+    m.duration = 20.0;
+    m.gyro_std = m.accel_std = 0.0;
+    m.rest = 0.0;  // readings without noise that do not change would be those of a frozen instrument
+    const auto data = simulated(m, 1);
+    for (const bool offline : {false, true}) {
+        const auto rows_with = [&](double std, const Vector3d& bias) {
+            RunSettings s;
+            s.offline = offline;
+            s.mekf.six_axis = true;
+            s.mekf.tilt.accel_bias_std = std;
+            std::vector<ImuSample> imu;
+            for (const Instant& i : data) imu.push_back({Time::from_seconds(i.time), i.gyro, i.accel + bias});
+            return run(imu, {}, {}, s).rows;
+        };
+        constexpr double std = 0.5, small = 1e-3;
+        const auto none = rows_with(1e-9, Vector3d::Zero()), with = rows_with(std, Vector3d::Zero());
+        const std::array biased{rows_with(1e-9, small * Vector3d::UnitX()), rows_with(1e-9, small * Vector3d::UnitY()),
+                                rows_with(1e-9, small * Vector3d::UnitZ())};
+        for (const std::size_t at : {std::size_t{600}, std::size_t{900}, std::size_t{1300}}) {
+            Vector3d share = Vector3d::Zero();
+            for (const auto& rows : biased) {
+                const Vector3d change = math::rotation_vector_from_quaternion(rows[at].q_nb * none[at].q_nb.conjugate());
+                share += (change * (std / small)).cwiseAbs2();
+            }
+            const Vector3d published = with[at].std_phi.cwiseAbs2() - none[at].std_phi.cwiseAbs2();
+            for (int i = 0; i < 2; ++i) EXPECT_NEAR(std::sqrt(published(i)), std::sqrt(share(i)), 0.02 * std::sqrt(share(i)));
         }
     }
 }

@@ -42,7 +42,6 @@ LinearModel model(const char* where, const Vector3d& rpy, const Vector3d& rate_b
     const Eigen::Quaterniond q_wb = math::quaternion_from_rpy(rpy);
     Block block;
     block.duration = duration;
-    block.force_known = true;
     for (int i = 0; i < steps; ++i) {
         const Vector3d turned = rate_b * ((i + 0.5) * duration / steps);
         block.C_wb += (q_wb * math::quaternion_from_rotation_vector(turned)).toRotationMatrix() / steps;
@@ -72,7 +71,6 @@ SCHULER_JACOBIAN(tilt_transition, "ahrs.TiltTransition") {
 TEST(TiltTransition, FilterAndSmootherUseTheMatrix) {
     Block block;
     block.duration = duration;
-    block.force_known = true;
     block.C_wb = math::quaternion_from_rpy({0.3, -0.5, 1.0}).toRotationMatrix();
     const TiltMatrix root =
         TiltMatrix::Identity() + 0.3 * TiltMatrix::NullaryExpr([](auto r, auto c) { return std::sin(r + 3.0 * c); });

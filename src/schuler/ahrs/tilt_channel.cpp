@@ -123,7 +123,7 @@ TiltTransition::TiltTransition(const Block& block, double gravity) {
     rows(S::velocity + 1, S::tilt) = -g_dt;
     rows.block<1, 3>(S::velocity, S::gyro_bias) = 0.5 * g_dt * turned.row(1);
     rows.block<1, 3>(S::velocity + 1, S::gyro_bias) = -0.5 * g_dt * turned.row(0);
-    if (block.force_known) from_accel_bias.bottomRows<2>() = turned;
+    from_accel_bias.bottomRows<2>() = turned;
 }
 
 TiltMatrix TiltTransition::matrix() const {
