@@ -9,12 +9,14 @@
 #include "schuler/ahrs/mekf.h"
 #include "schuler/app/attitude/ahrs.h"
 #include "schuler/core/units.h"
+#include "schuler/math/rotation.h"
 #include "schuler/solution/loaded_dataset.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
 #include <ctime>
 #include <map>
@@ -56,6 +58,30 @@ void print(const char* name, const std::vector<std::array<double, 3>>& errors, c
     for (const auto& e : errors) fmt::print("{:>19}", fmt::format("{:.2f} ({:.2f}/{:.2f})", e[0], e[1], e[2]));
     fmt::print("{:>8}", "");
     for (const double v : beside) fmt::print("{:6.2f}", v);
+    fmt::print("\n");
+}
+
+/// What the raw errors are mostly made of: the direction of the field where the sensor moves, against the north of the reference.
+void offsets(const std::vector<BroadTrial>& trials, const std::vector<std::vector<analysis::BroadErrors>>& all) {
+    fmt::print(
+        "constant heading offset, deg, online and offline; and the direction of the field turned by the reference's attitude: "
+        "where the sensor rests, where it moves\n");
+    for (std::size_t i = 0; i < trials.size(); ++i) {
+        const auto& recording = trials[i].data.recording;
+        WarningLog unheard;
+        const app::AhrsInput input = app::ahrs_input(trials[i].data, {}, unheard);
+        Eigen::Vector3d rest = Eigen::Vector3d::Zero(), moving = Eigen::Vector3d::Zero();
+        std::size_t k = 0;
+        for (const MagSample& m : input.mag) {
+            while (k + 1 < recording.reference.size() && recording.reference[k + 1].time <= m.time) ++k;
+            const ReferenceSample& r = recording.reference[k];
+            if (!r.rpy.allFinite() || std::abs((r.time - m.time).seconds()) > 0.02) continue;
+            (r.movement ? moving : rest) += math::quaternion_from_rpy(r.rpy) * m.field_b;
+        }
+        const auto direction = [](const Eigen::Vector3d& f) { return -std::atan2(f.y(), f.x()) / units::deg; };
+        fmt::print("{:<32.32}{:>8.2f}{:>8.2f}{:>14.2f}{:>8.2f}\n", trials[i].name, all[i][0].heading_offset / units::deg,
+                   all[i][1].heading_offset / units::deg, direction(rest), direction(moving));
+    }
     fmt::print("\n");
 }
 
@@ -104,6 +130,7 @@ void accuracy(const std::vector<BroadTrial>& trials) {
         print("mean", mean, vqf_mean);
         fmt::print("\n");
     }
+    offsets(trials, all);
 }
 
 /// Samples a second of the full filter, magnetometer included, the attitude read at every sample: median and best of several

@@ -1,4 +1,5 @@
-// The attitude filters on simulated logs of many kinds (ahrs_logs.h): errors in both conventions, and whether the published sigmas cover them.
+// The attitude filters on simulated logs of many kinds (ahrs_logs.h): errors in both conventions, whether the published sigmas cover them,
+// and whether the smoothed north is nearer than that of the real-time filter.
 //
 //     bench_ahrs_campaign [LOGS_OF_A_KIND] [FIRST_SEED]
 #include "ahrs_logs.h"
@@ -8,8 +9,11 @@
 
 #include <fmt/format.h>
 
+#include <array>
+#include <cmath>
 #include <cstdlib>
 #include <string>
+#include <utility>
 
 namespace {
 
@@ -20,7 +24,11 @@ struct Score {
     std::uint64_t worst = 0;
 };
 
-void add(Score& s, const ahrs::RunResult& result, const ahrs_logs::Log& log, double share, std::uint64_t seed) {
+/// Returns what the log adds to the score that is compared in pairs.
+struct North {
+    double raw, offset;  ///< deg, offset without sign
+};
+North add(Score& s, const ahrs::RunResult& result, const ahrs_logs::Log& log, double share, std::uint64_t seed) {
     std::vector<analysis::AttitudePair> pairs;
     const std::size_t lost = log.truth.size() - result.rows.size();
     double heading_out = 0.0, tilt_out = 0.0;
@@ -44,7 +52,21 @@ void add(Score& s, const ahrs::RunResult& result, const ahrs_logs::Log& log, dou
         s.largest = e.total / units::deg;
         s.worst = seed;
     }
+    return {e.raw_total / units::deg, std::abs(e.heading_offset) / units::deg};
 }
+
+/// Mean of differences and its standard error.
+struct Paired {
+    double sum = 0.0, squares = 0.0, n = 0.0, smaller = 0.0;
+    void add(double difference) {
+        sum += difference;
+        squares += difference * difference;
+        n += 1.0;
+        smaller += difference < 0.0 ? 1.0 : 0.0;
+    }
+    [[nodiscard]] double mean() const { return sum / n; }
+    [[nodiscard]] double error() const { return std::sqrt(std::max(0.0, squares / n - mean() * mean()) / n); }
+};
 
 }  // namespace
 
@@ -57,16 +79,23 @@ int main(int argc, char** argv) {
         "% of epochs beyond 3 sigma, heading, tilt\n{:<22}{:>62}{:>62}\n",
         logs, first, "", "online", "offline");
     std::array<Score, 2> all{};
+    std::array<double, 2> offsets{};
+    Paired raw, offset;
     for (const auto& [kind, name] : ahrs_logs::kinds) {
         std::array<Score, 2> score{};
         for (int k = 0; k < logs; ++k) {
             const std::uint64_t seed = first + static_cast<std::uint64_t>(k);
             const ahrs_logs::Log log = ahrs_logs::simulated(kind, seed);
+            std::array<North, 2> north{};
             for (const bool offline : {false, true}) {
                 ahrs::RunSettings settings;
                 settings.offline = offline;
-                add(score[offline ? 1 : 0], ahrs::run(log.imu, log.mag, {}, settings), log, share, seed);
+                const std::size_t j = offline ? 1 : 0;
+                north[j] = add(score[j], ahrs::run(log.imu, log.mag, {}, settings), log, share, seed);
+                offsets[j] += share * north[j].offset / ahrs_logs::kinds.size();
             }
+            raw.add(north[1].raw - north[0].raw);
+            offset.add(north[1].offset - north[0].offset);
         }
         fmt::print("{:<22}", name);
         for (std::size_t j = 0; j < 2; ++j) {
@@ -79,5 +108,9 @@ int main(int argc, char** argv) {
         fmt::print("\n");
     }
     fmt::print("{:<22}{:>10.2f}{:>6.2f}{:>55.2f}{:>6.2f}\n", "mean", all[0].removed, all[0].raw, all[1].removed, all[1].raw);
+    fmt::print("constant part of the heading error, deg: {:.2f} online, {:.2f} offline\n", offsets[0], offsets[1]);
+    for (const auto& [name, p] : {std::pair{"raw total error", &raw}, std::pair{"constant part", &offset}})
+        fmt::print("{}, offline minus online, in pairs: {:+.3f} +- {:.3f} deg, smaller offline in {:.0f} of {:.0f} logs\n", name,
+                   p->mean(), p->error(), p->smaller, p->n);
     return 0;
 }

@@ -4,6 +4,7 @@
 #include "schuler/ahrs/dcm_filter.h"
 #include "schuler/ahrs/mekf.h"
 #include "schuler/ahrs/quaternion_filter.h"
+#include "schuler/ahrs/run.h"
 #include "schuler/math/chi_square.h"
 
 #include <fmt/format.h>
@@ -12,6 +13,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 
 #include <cmath>
 #include <utility>
@@ -105,6 +107,7 @@ Nees of_mekf(double place_std, int logs, double duration) {
             s.heading.hard_iron_std = 1e-7;  // where a magnet may be, the first reading tells little of the field
         s.tilt.bias_std = 0.1 * units::deg_per_s;
         m.gyro_bias = s.tilt.bias_std * truth.normal3();
+        m.accel_bias = s.tilt.accel_bias_std * truth.normal3();
         m.sway_std = s.tilt.velocity_std;
         m.sway_time = s.tilt.velocity_time;
         m.hard_iron = s.heading.hard_iron_std * truth.normal3();
@@ -150,6 +153,75 @@ TEST(AhrsConsistency, AFieldSeenAgainAndAgainInOneRoomIsKnownNoBetterForThat) {
     const double heading = of_mekf(2e-6, logs, 20.0).heading * seeds / logs;
     EXPECT_GT(heading, math::chi_square_quantile(0.0005, logs) / logs);
     EXPECT_LT(heading, math::chi_square_quantile(0.9995, logs) / logs);
+}
+
+/// A hand that moves to and fro without much turning: what an accelerometer bias tilts is not seen, and must be in the sigma, online
+/// and smoothed.
+TEST(AhrsConsistency, AnAccelerometerBiasThatNothingShowsIsInTheSigmaOfTheTilt) {
+    constexpr int logs = 60;
+    for (const bool offline : {false, true}) {
+        for (const double swing : {0.1, 1.0}) {
+            double nees = 0.0;
+            for (int seed = 1; seed <= logs; ++seed) {
+                math::Random truth(static_cast<std::uint64_t>(seed), "truth");
+                RunSettings s;
+                s.offline = offline;
+                s.mekf.six_axis = true;
+                Motion m;
+                m.duration = 20.0;
+                m.swing = swing;
+                m.accel_bias = s.mekf.tilt.accel_bias_std * truth.normal3();
+                m.sway_std = s.mekf.tilt.velocity_std;
+                m.sway_time = s.mekf.tilt.velocity_time;
+                s.mekf.tilt.gyro_noise = m.gyro_std * std::sqrt(m.dt);
+                s.mekf.tilt.turn_noise = 0.0;
+                s.mekf.tilt.bias_std = 1e-3 * units::deg_per_s;
+                s.mekf.tilt.force_noise = m.accel_std * std::sqrt(m.dt);
+                std::vector<ImuSample> imu;
+                const auto data = simulated(m, static_cast<std::uint64_t>(seed));
+                for (const Instant& i : data) imu.push_back({Time::from_seconds(i.time), i.gyro, i.accel});
+                const AttitudeRow row = run(imu, {}, {}, s).rows[imu.size() / 2];
+                const auto at = std::ranges::find(imu, row.time, &ImuSample::time) - imu.begin();
+                const Vector3d up = (row.q_nb * data[static_cast<std::size_t>(at)].q_nb.conjugate()).toRotationMatrix().col(2);
+                nees += (std::pow(up.x() / row.std_phi.y(), 2) + std::pow(up.y() / row.std_phi.x(), 2)) / logs;
+            }
+            EXPECT_GT(nees, 2.0 * math::chi_square_quantile(0.0005, logs) / logs) << offline << swing;
+            EXPECT_LT(nees, 2.0 * math::chi_square_quantile(0.9995, logs) / logs) << offline << swing;
+        }
+    }
+}
+
+/// The share of the accelerometer bias in the sigma is what such a bias does to the attitude, found by adding one to the log.
+TEST(AhrsConsistency, TheShareOfTheAccelerometerBiasIsWhatOneDoes) {
+    Motion m;
+    m.duration = 20.0;
+    m.gyro_std = m.accel_std = 0.0;
+    m.rest = 0.0;  // readings without noise that do not change would be those of a frozen instrument
+    const auto data = simulated(m, 1);
+    for (const bool offline : {false, true}) {
+        const auto rows_with = [&](double std, const Vector3d& bias) {
+            RunSettings s;
+            s.offline = offline;
+            s.mekf.six_axis = true;
+            s.mekf.tilt.accel_bias_std = std;
+            std::vector<ImuSample> imu;
+            for (const Instant& i : data) imu.push_back({Time::from_seconds(i.time), i.gyro, i.accel + bias});
+            return run(imu, {}, {}, s).rows;
+        };
+        constexpr double std = 0.5, small = 1e-3;
+        const auto none = rows_with(1e-9, Vector3d::Zero()), with = rows_with(std, Vector3d::Zero());
+        const std::array biased{rows_with(1e-9, small * Vector3d::UnitX()), rows_with(1e-9, small * Vector3d::UnitY()),
+                                rows_with(1e-9, small * Vector3d::UnitZ())};
+        for (const std::size_t at : {std::size_t{600}, std::size_t{900}, std::size_t{1300}}) {
+            Vector3d share = Vector3d::Zero();
+            for (const auto& rows : biased) {
+                const Vector3d change = math::rotation_vector_from_quaternion(rows[at].q_nb * none[at].q_nb.conjugate());
+                share += (change * (std / small)).cwiseAbs2();
+            }
+            const Vector3d published = with[at].std_phi.cwiseAbs2() - none[at].std_phi.cwiseAbs2();
+            for (int i = 0; i < 2; ++i) EXPECT_NEAR(std::sqrt(published(i)), std::sqrt(share(i)), 0.02 * std::sqrt(share(i)));
+        }
+    }
 }
 
 }  // namespace

@@ -17,23 +17,24 @@ using schuler::test::LinearModel;
 constexpr double gravity = 9.81, duration = 0.05;
 constexpr int steps = 500;
 
-/// The channel's errors (estimate minus truth) after a block that begins with errors dx; the sensor turns at `rate_b` in place.
+/// The channel's errors (estimate minus truth) after a block that begins with errors dx, the last three an accelerometer bias; the
+/// sensor turns at `rate_b` in place.
 Eigen::VectorXd after_block(const Eigen::Quaterniond& q_wb, const Vector3d& rate_b, const Eigen::VectorXd& dx) {
     const double dt = duration / steps;
     Eigen::Quaterniond truth = q_wb, estimate = math::quaternion_from_rotation_vector({-dx(0), -dx(1), 0.0}) * q_wb;
-    Vector3d velocity(dx(5), dx(6), 0.0);
-    const Vector3d bias = dx.segment<3>(2), force_w(0.0, 0.0, -gravity);
+    Vector3d velocity(dx(TiltState::velocity), dx(TiltState::velocity + 1), 0.0);
+    const Vector3d bias = dx.segment<3>(TiltState::gyro_bias), accel = dx.tail<3>(), force_w(0.0, 0.0, -gravity);
     for (int i = 0; i < steps; ++i) {
         const auto step = [&](const Vector3d& rate) { return math::quaternion_from_rotation_vector(rate * (0.5 * dt)); };
         truth = truth * step(rate_b);
         estimate = estimate * step(rate_b - bias);
-        velocity += (estimate * (truth.conjugate() * force_w) - force_w) * dt;
+        velocity += (estimate * (truth.conjugate() * force_w + accel) - force_w) * dt;
         truth = truth * step(rate_b);
         estimate = estimate * step(rate_b - bias);
     }
     const Vector3d phi = -math::rotation_vector_from_quaternion(estimate * truth.conjugate());
     Eigen::VectorXd out(tilt_states);
-    out << phi.head<2>(), bias, velocity.head<2>();
+    out << phi.head<2>(), velocity.head<2>(), bias;
     return out;
 }
 
@@ -45,14 +46,18 @@ LinearModel model(const char* where, const Vector3d& rpy, const Vector3d& rate_b
         const Vector3d turned = rate_b * ((i + 0.5) * duration / steps);
         block.C_wb += (q_wb * math::quaternion_from_rotation_vector(turned)).toRotationMatrix() / steps;
     }
+    const TiltTransition phi(block, gravity);
+    Eigen::MatrixXd analytic = Eigen::MatrixXd::Zero(tilt_states, tilt_states + 3);
+    analytic << phi.matrix(), Eigen::MatrixXd::Zero(tilt_states, 3);
+    analytic.topRightCorner<TiltState::changing, 3>() = phi.from_accel_bias;
     LinearModel m;
     m.where = where;
-    m.analytic = TiltTransition(block, gravity).matrix();
+    m.analytic = analytic;
     m.output = [=](const Eigen::VectorXd& dx) { return after_block(q_wb, rate_b, dx); };
-    m.step = Eigen::VectorXd::Constant(tilt_states, 1e-3);
-    Eigen::VectorXd row(tilt_states), column(tilt_states);
-    row << 1e-3, 1e-3, 1e-9, 1e-9, 1e-9, 1e-3, 1e-3;
-    column << 1.0, 1.0, duration, duration, duration, 1.0, 1.0;
+    m.step = Eigen::VectorXd::Constant(tilt_states + 3, 1e-3);
+    Eigen::VectorXd row(tilt_states), column(tilt_states + 3);
+    row << 1e-3, 1e-3, 1e-3, 1e-3, 1e-9, 1e-9, 1e-9;
+    column << 1.0, 1.0, 1.0, 1.0, Eigen::VectorXd::Constant(6, duration);
     m.tolerance = schuler::test::tolerance_of(m.analytic, relative, relative * row, column);
     return m;
 }
@@ -63,15 +68,30 @@ SCHULER_JACOBIAN(tilt_transition, "ahrs.TiltTransition") {
             model("upside down, turning", {2.9, 0.2, -2.0}, {0.4, -0.3, 0.5}, 0.05)};
 }
 
-TEST(TiltTransition, AdjointIsTheTranspose) {
+TEST(TiltTransition, FilterAndSmootherUseTheMatrix) {
     Block block;
     block.duration = duration;
     block.C_wb = math::quaternion_from_rpy({0.3, -0.5, 1.0}).toRotationMatrix();
-    const TiltVector lambda = (TiltVector() << 1.0, -2.0, 0.5, 3.0, -1.0, 0.7, -0.4).finished();
+    const TiltMatrix root =
+        TiltMatrix::Identity() + 0.3 * TiltMatrix::NullaryExpr([](auto r, auto c) { return std::sin(r + 3.0 * c); });
+    const TiltMatrix P = root * root.transpose();
+    const AccelBiasEffect effect = root.leftCols<3>();
     for (const bool levelled : {false, true}) {
         block.levelled = levelled;
         const TiltTransition phi(block, gravity);
-        EXPECT_LT((phi.transpose_times(lambda) - phi.matrix().transpose() * lambda).norm(), 1e-14);
+        const TiltMatrix F = phi.matrix();
+        TiltMatrix after = P;
+        AccelBiasEffect moved = effect, expected = F * effect;
+        phi.propagate(after, moved);
+        EXPECT_LT((after - F * P * F.transpose()).norm(), 1e-13);
+        expected.topRows<TiltState::changing>() += phi.from_accel_bias;
+        EXPECT_LT((moved - expected).norm(), 1e-13);
+        estim::Adjoint<tilt_states> adjoint;
+        adjoint.lambda = root.col(0);
+        adjoint.Lambda = P;
+        phi.propagate_back(adjoint);
+        EXPECT_LT((adjoint.lambda - F.transpose() * root.col(0)).norm(), 1e-13);
+        EXPECT_LT((adjoint.Lambda - F.transpose() * P * F).norm(), 1e-13);
     }
 }
 

@@ -18,9 +18,11 @@ namespace schuler::ahrs::testing {
 struct Motion {
     double dt = 0.01, duration = 120.0;
     bool moving = true;
+    double swing = 1.0;                        ///< of the attitude
     double rest = 5.0;                         ///< s, at the start
     double gyro_std = 0.1 * units::deg_per_s;  ///< rad/s a sample
     Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();
+    Eigen::Vector3d accel_bias = Eigen::Vector3d::Zero();
     double accel_std = 0.05;                 ///< m/s^2 a sample
     double sway_std = 0.0, sway_time = 0.3;  ///< m/s and s, first-order Markov velocity, horizontal and vertical
     double field_std = 200e-9;               ///< T a sample
@@ -42,8 +44,9 @@ inline Eigen::Quaterniond attitude_at(const Motion& m, double t) {
     if (!m.moving) return math::quaternion_from_rpy({0.0, 0.0, 0.0});
     constexpr double tau = 2.0 * std::numbers::pi;
     t = std::max(0.0, t - m.rest);
-    return math::quaternion_from_rpy({20.0 * units::deg * std::sin(tau * t / 7.0), 15.0 * units::deg * std::sin(tau * t / 5.0),
-                                      60.0 * units::deg * std::sin(tau * t / 23.0)});
+    const double deg = m.swing * units::deg;
+    return math::quaternion_from_rpy(
+        {20.0 * deg * std::sin(tau * t / 7.0), 15.0 * deg * std::sin(tau * t / 5.0), 60.0 * deg * std::sin(tau * t / 23.0)});
 }
 
 /// The same seed gives the same noise whatever the disturbance is.
@@ -65,7 +68,7 @@ inline std::vector<Instant> simulated(const Motion& m, std::uint64_t seed) {
         const Eigen::Vector3d sway_a = t > m.rest ? ((next - velocity) / m.dt).eval() : Eigen::Vector3d::Zero().eval();
         const Eigen::Vector3d force_n = sway_a - Eigen::Vector3d(0.0, 0.0, m.gravity);
         velocity = next;
-        s.accel = s.q_nb.conjugate() * force_n + m.accel_std * accel.normal3();
+        s.accel = s.q_nb.conjugate() * force_n + m.accel_bias + m.accel_std * accel.normal3();
         const bool disturbed = t >= m.disturbed_from && t < m.disturbed_to;
         const double turn = disturbed ? m.turn : 0.0, down = m.vertical + (disturbed ? m.lift : 0.0);
         const Eigen::Vector3d field_n(m.horizontal * std::cos(turn) + m.place.x(), m.horizontal * std::sin(turn) + m.place.y(),

@@ -21,9 +21,11 @@ struct Block {
     bool force_known = false;                                   ///< at least half of the accelerometer samples were usable
     double rest_time = 0.0;                                     ///< s of rest so far; 0 in motion
     Eigen::Matrix2d P_tilt = Eigen::Matrix2d::Zero();           ///< rad^2, tilt covariance after the update, w axes
-    double tilt_kept = 1.0;                                     ///< fraction of the tilt variance remaining after the update
-    Eigen::Vector3d bias_used = Eigen::Vector3d::Zero();        ///< rad/s, gyro bias subtracted within the block
-    double down_bias_std = 0.0;                                 ///< rad/s, one sigma of its component along w's vertical
+    Eigen::Matrix<double, 2, 3> tilt_of_accel_bias =
+        Eigen::Matrix<double, 2, 3>::Zero();              ///< rad, tilt error per sigma of the accelerometer bias
+    double tilt_kept = 1.0;                               ///< fraction of the tilt variance remaining after the update
+    Eigen::Vector3d bias_used = Eigen::Vector3d::Zero();  ///< rad/s, gyro bias subtracted within the block
+    double down_bias_std = 0.0;                           ///< rad/s, one sigma of its component along w's vertical
 };
 
 }  // namespace schuler::ahrs

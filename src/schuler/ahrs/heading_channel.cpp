@@ -45,7 +45,10 @@ double HeadingChannel::variance() const {
     const double size2 = estimate_.level_field.squaredNorm();
     const Eigen::Vector2d across(-estimate_.level_field.y(), estimate_.level_field.x());
     const double square = across.dot(P_.topLeftCorner<2, 2>() * across);
-    return size2 > 0.0 ? std::min(unknown_heading_variance, square / (size2 * size2)) : unknown_heading_variance;
+    if (!(size2 > 0.0)) return unknown_heading_variance;
+    // the tilt of the accelerometer bias persists, and with it its part of the field
+    const double tilted = heading_of_tilt(estimate_.level_field, estimate_.vertical, tilt_of_accel_bias_).squaredNorm();
+    return std::min(unknown_heading_variance, square / (size2 * size2) + tilted);
 }
 
 /// The first reading is the field plus the irons: the uncertainty of the irons is also that of the field.
@@ -135,7 +138,7 @@ void HeadingChannel::propagate(TurningRows& A) {
         estimate_.place.setZero();
         noise_ = 0.0;
     }
-    const TurningRows rows = A * P_;
+    const TurningRows rows = A.lazyProduct(P_);  // small: without the packing of large products
     const Eigen::Matrix<double, n, n> corner = rows * A.transpose();
     P_.topRows<n>() += rows;
     P_.leftCols<n>() += rows.transpose();
@@ -160,6 +163,7 @@ void HeadingChannel::close(const Block& block, const Eigen::Vector3d& bias, Coun
     free_turn_.noise += turn_noise(block);
     free_turn_.drift += block.down_bias_std * block.duration;
     if (block.levelled) ++free_turn_.levellings;
+    tilt_of_accel_bias_ = block.tilt_of_accel_bias;
     if (!started_) {  // without a magnetometer the heading is that of the tilt channel, starting at zero
         start(block, bias);
     } else {
@@ -194,7 +198,11 @@ void HeadingChannel::update(const Block& block, Counters& counters, HeadingRecor
         double nis = 0.0, spread = 0.0;
         for (int i = 0; i < 3; ++i) {
             const HeadingVector h = m.H.row(i).transpose();
-            const double share = h.dot(P_ * h) / squared(settings_.field_noise) + 1.0;
+            double predicted = 0.0;
+            for (int c = 0; c < heading_states; ++c) {
+                if (h(c) != 0.0) predicted += h(c) * h.dot(P_.col(c));
+            }
+            const double share = predicted / squared(settings_.field_noise) + 1.0;
             nis += squared(m.innovation(i) / settings_.field_noise) / share / 3.0;
             spread += std::log(share);
         }

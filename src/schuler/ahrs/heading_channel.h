@@ -106,6 +106,7 @@ private:
     HeadingVector turn_row_ = HeadingVector::Zero();      ///< derivative of the rotation since the last update
     double turned_ = 0.0, duration_ = 0.0, noise_ = 0.0;  ///< rad, s and rad^2, since then
     FreeTurn free_turn_;
+    Eigen::Matrix<double, 2, 3> tilt_of_accel_bias_ = Eigen::Matrix<double, 2, 3>::Zero();  ///< of the last block
     double level_ = 1.0, disturbed_for_ = 0.0, evidence_ = 0.0, unexplained_ = 0.0;
     Eigen::Quaterniond q_nw_ = Eigen::Quaterniond::Identity();
 };

@@ -71,6 +71,13 @@ struct FieldMeasurement {
 /// Heading (rad) of a frame with this horizontal part of the field.
 [[nodiscard]] double heading_of(const Eigen::Vector2d& level_field);
 
+/// Heading errors (rad) of a field levelled with these tilt errors (rad, w axes): the vertical field has a horizontal part.
+template <int Columns>
+[[nodiscard]] Eigen::Matrix<double, 1, Columns> heading_of_tilt(const Eigen::Vector2d& level_field, double vertical,
+                                                                const Eigen::Matrix<double, 2, Columns>& tilt) {
+    return vertical / level_field.squaredNorm() * level_field.transpose() * tilt;
+}
+
 /// Change of heading over a block: the excess rotation of the strapdown about the vertical, with the sign reversed.
 struct HeadingTurn {
     double angle = 0.0;                         ///< rad

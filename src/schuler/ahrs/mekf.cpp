@@ -71,7 +71,7 @@ Eigen::Matrix3d Mekf::covariance_phi() const {
     const double c = std::cos(heading_.heading()), s = std::sin(heading_.heading());
     Eigen::Matrix3d C_nw, P = Eigen::Matrix3d::Zero();
     C_nw << c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0;
-    P.topLeftCorner<2, 2>() = tilt_.covariance().topLeftCorner<2, 2>();
+    P.topLeftCorner<2, 2>() = tilt_.tilt_covariance();
     P(2, 2) = heading_.variance();
     return C_nw * P * C_nw.transpose();
 }

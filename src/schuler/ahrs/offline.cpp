@@ -23,7 +23,8 @@ struct Strapdown {
 struct Smoothed2 {
     Eigen::Vector2d before, after;
     Eigen::Vector2d std;
-    bool levelled = false;  ///< independent of the previous block
+    Eigen::Matrix<double, 2, 3> of_accel_bias;  ///< rad per sigma of the accelerometer bias
+    bool levelled = false;                      ///< independent of the previous block
 };
 struct Smoothed1 {
     double heading = 0.0, std = 0.0;
@@ -77,23 +78,34 @@ Forward forward_pass(std::span<const ImuSample> imu, std::span<const SpeedSample
     return f;
 }
 
-std::vector<Smoothed2> smooth_tilt(const Forward& f, double gravity) {
+/// The smoothed estimate is linear in the innovations, and so is its sensitivity to the accelerometer bias: adjoint variables of the
+/// derivatives beside those of the innovations themselves.
+std::vector<Smoothed2> smooth_tilt(const Forward& f, const TiltSettings& settings) {
     std::vector<Smoothed2> out(f.tilt.size());
     estim::Adjoint<tilt_states> adjoint;
+    AccelBiasEffect effect = AccelBiasEffect::Zero();
     for (std::size_t k = f.tilt.size(); k-- > 0;) {
         const TiltRecord& r = f.tilt[k];
         out[k].after = -(r.P_tilt * adjoint.lambda);
         out[k].levelled = r.block.levelled;
         out[k].before = out[k].after + f.tilt_correction[k];
+        out[k].of_accel_bias = r.block.tilt_of_accel_bias + settings.accel_bias_std * r.P_tilt * effect;
         for (int i = 0; i < 2; ++i) {
             const TiltVector p = r.P_tilt.row(i).transpose();
-            out[k].std(i) = std::sqrt(std::max(0.0, p(i) - p.dot(adjoint.Lambda * p)));
+            out[k].std(i) =
+                std::sqrt(std::max(0.0, p(i) - p.dot(adjoint.Lambda * p)) + out[k].of_accel_bias.row(i).squaredNorm());
         }
-        for (int u = r.count; u-- > 0;) adjoint.undo(r.updates[static_cast<std::size_t>(u)]);
-        const TiltTransition phi(r.block, gravity);
-        const TiltMatrix F = phi.matrix();
-        adjoint.lambda = phi.transpose_times(adjoint.lambda);
-        adjoint.Lambda = (F.transpose() * adjoint.Lambda * F).eval();
+        for (int u = r.count; u-- > 0;) {
+            const auto i = static_cast<std::size_t>(u);
+            const estim::ScalarUpdate<tilt_states>& update = r.updates[i];
+            const Eigen::RowVector3d undone = update.k.transpose() * effect + r.from_accel_bias[i] / update.s;
+            effect.noalias() -= update.h * undone;
+            adjoint.undo(update);
+        }
+        const TiltTransition phi(r.block, settings.gravity);
+        phi.propagate_back(adjoint);
+        const Eigen::Matrix<double, TiltState::changing, 3> changing = effect.topRows<TiltState::changing>();
+        effect.noalias() += phi.rows.transpose() * changing;
     }
     return out;
 }
@@ -223,7 +235,7 @@ Eigen::Quaterniond smoothed_q_wb(const Strapdown& s, const std::vector<Smoothed2
 RunResult run_offline(std::span<const ImuSample> imu, std::span<const MagSample> mag, std::span<const SpeedSample> speed,
                       const MekfSettings& settings) {
     const Forward f = forward_pass(imu, speed, settings);
-    const std::vector<Smoothed2> tilt = smooth_tilt(f, settings.tilt.gravity);
+    const std::vector<Smoothed2> tilt = smooth_tilt(f, settings.tilt);
 
     // weight of a field sample: from the innovation at first, then from the residual of the smoothed states
     constexpr int passes = 3;
@@ -286,6 +298,11 @@ RunResult run_offline(std::span<const ImuSample> imu, std::span<const MagSample>
             const double end = turn[b].heading, begin = b > 0 && !tilt[b].levelled ? turn[b - 1].heading : end;
             angle = s.block < blocks ? begin + static_cast<double>(s.along) * math::wrap_pi(end - begin) : end;
             heading_std = turn[b].std;
+            if (!pass.updates.empty() && pass.path[b].norm() > 0.0)
+                heading_std =
+                    std::min(std::numbers::pi / std::sqrt(3.0),
+                             std::hypot(heading_std,
+                                        heading_of_tilt(pass.path[b], heading.vertical_field(), tilt[b].of_accel_bias).norm()));
             tilt_std = tilt[b].std;
         }
         const Eigen::Quaterniond q_nw(std::cos(0.5 * angle), 0.0, 0.0, std::sin(0.5 * angle));

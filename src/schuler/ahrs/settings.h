@@ -35,6 +35,7 @@ struct TiltSettings {
     double turn_noise = 0.005;                      ///< rad per square root of the rotation in rad: scale factor, axes, coning
     double bias_std = 0.5 * units::deg_per_s;       ///< rad/s, initial
     double bias_walk = 1e-4;                        ///< rad/s/sqrt(s)
+    double accel_bias_std = 0.05;                   ///< m/s^2, with scale factors and misalignments: considered, not estimated
     double velocity_std = 0.3;                      ///< m/s, of the velocity changes that the tilt must not follow
     double velocity_time = 0.3;                     ///< s, their correlation time
     double force_noise = 0.02;                      ///< m/s/sqrt(s), uncorrelated accelerations

@@ -8,6 +8,8 @@
 namespace schuler::ahrs {
 namespace {
 
+using S = TiltState;
+
 constexpr double start_tilt_std = 0.03;        // rad
 constexpr double moving_tilt_std = 0.15;       // rad, for a log that starts in motion: accelerations of 1.5 m/s^2
 constexpr double unknown_rate = 0.3;           // fraction of the last known rate: uncertainty of a missing sample's rate
@@ -15,6 +17,13 @@ constexpr double unknown_force = 3.0;          // m/s^2, possible acceleration w
 constexpr double least_doubt = 1e-3;           // rad, smaller rotations may have been missed at rest
 constexpr double linear_tilt = 0.3;            // rad; beyond this a tilt error is treated as unknown tilt
 constexpr double largest_tilt_variance = 1.0;  // rad^2
+
+/// d(tilt)/d(accelerometer bias) of a tilt taken from the force: the horizontal part of the bias is taken for gravity.
+Eigen::Matrix<double, 2, 3> levelled_by_force(const Eigen::Matrix3d& C_wb, double gravity) {
+    Eigen::Matrix<double, 2, 3> out;
+    out << C_wb.row(1) / gravity, -C_wb.row(0) / gravity;
+    return out;
+}
 
 }  // namespace
 
@@ -27,16 +36,17 @@ void TiltChannel::start(const Eigen::Vector3d& force_b, bool moving) {
     const double azimuth = x_w.head<2>().norm() > 1e-6 ? std::atan2(x_w.y(), x_w.x()) : 0.0;
     q_wb_ = Eigen::AngleAxisd(-azimuth, Eigen::Vector3d::UnitZ()) * q_wb_;
     const double tilt_std = moving ? moving_tilt_std : start_tilt_std;
-    const double tilt = tilt_std * tilt_std, bias = settings_.bias_std * settings_.bias_std;
-    const double velocity = settings_.velocity_std * settings_.velocity_std;
-    P_ = (TiltVector() << tilt, tilt, bias, bias, bias, velocity, velocity).finished().asDiagonal();
+    TiltVector std;
+    std << tilt_std, tilt_std, settings_.velocity_std, settings_.velocity_std, Eigen::Vector3d::Constant(settings_.bias_std);
+    P_ = std.cwiseAbs2().asDiagonal();
+    from_accel_bias_.setZero();
+    from_accel_bias_.topRows<2>() = levelled_by_force(q_wb_.toRotationMatrix(), settings_.gravity);
     started_ = true;
 }
 
 void TiltChannel::integrate(double dt, const Eigen::Vector3d& rate_b, bool rate_known, const Eigen::Vector3d* force_b) {
     rate_b_ = rate_b - bias_;
     q_wb_ = q_wb_ * math::quaternion_from_rotation_vector(rate_b_ * dt);
-    q_wb_.coeffs() *= 1.5 - 0.5 * q_wb_.squaredNorm();
     const Eigen::Matrix3d C_wb = q_wb_.toRotationMatrix();
     const double turn = rate_b_.norm() * dt;
     block_.C_wb += C_wb;
@@ -61,13 +71,21 @@ void TiltChannel::doubt(double angle) {
         block_.doubt = doubt;
         samples_ = forces_ = 0;
     }
-    velocity_.setZero();
-    P_.row(5).setZero();
-    P_.row(6).setZero();
-    P_.col(5).setZero();
-    P_.col(6).setZero();
-    P_(5, 5) = P_(6, 6) = settings_.velocity_std * settings_.velocity_std;
+    forget_velocity();
     quiet_ = 0.0;
+}
+
+void TiltChannel::forget_velocity() {
+    velocity_.setZero();
+    P_.middleRows<2>(S::velocity).setZero();
+    P_.middleCols<2>(S::velocity).setZero();
+    P_.diagonal().segment<2>(S::velocity).setConstant(settings_.velocity_std * settings_.velocity_std);
+    from_accel_bias_.middleRows<2>(S::velocity).setZero();
+}
+
+Eigen::Matrix2d TiltChannel::tilt_covariance() const {
+    const auto effect = settings_.accel_bias_std * from_accel_bias_.topRows<2>();
+    return P_.topLeftCorner<2, 2>() + effect * effect.transpose();
 }
 
 void TiltChannel::forward_speed(double speed, double std, double valid) {
@@ -92,38 +110,46 @@ void TiltChannel::watch_rest() {
     block_.rest_time = quiet_ >= rest_.after ? quiet_ : 0.0;
 }
 
-TiltTransition::TiltTransition(const Block& block, double gravity)
-    : from_bias(block.C_wb.topRows<2>() * block.duration),
-      levelled(block.levelled),
-      g_dt(gravity * block.duration),
-      dt(block.duration) {}
+TiltTransition::TiltTransition(const Block& block, double gravity) {
+    if (block.levelled) {  // tilt and velocity start anew
+        rows.leftCols<S::changing>().diagonal().setConstant(-1.0);
+        from_accel_bias.topRows<2>() = levelled_by_force(block.C_wb, gravity);
+        return;
+    }
+    const Eigen::Matrix<double, 2, 3> turned = block.C_wb.topRows<2>() * block.duration;
+    const double g_dt = gravity * block.duration;
+    rows.block<2, 3>(S::tilt, S::gyro_bias) = turned;
+    rows(S::velocity, S::tilt + 1) = g_dt;
+    rows(S::velocity + 1, S::tilt) = -g_dt;
+    rows.block<1, 3>(S::velocity, S::gyro_bias) = 0.5 * g_dt * turned.row(1);
+    rows.block<1, 3>(S::velocity + 1, S::gyro_bias) = -0.5 * g_dt * turned.row(0);
+    from_accel_bias.bottomRows<2>() = turned;
+}
 
 TiltMatrix TiltTransition::matrix() const {
     TiltMatrix F = TiltMatrix::Identity();
-    F.block<2, 3>(0, 2) = from_bias;
-    F(5, 1) = g_dt;
-    F(6, 0) = -g_dt;
-    F.block<1, 3>(5, 2) = 0.5 * g_dt * from_bias.row(1);
-    F.block<1, 3>(6, 2) = -0.5 * g_dt * from_bias.row(0);
-    if (levelled) {
-        F.topRows<2>().setZero();
-        F.bottomRows<2>().setZero();
-    }
+    F.topRows<S::changing>() += rows;
     return F;
 }
 
-TiltVector TiltTransition::transpose_times(const TiltVector& lambda) const {
-    TiltVector out = lambda;
-    if (levelled) {
-        out.head<2>().setZero();
-        out.tail<2>().setZero();
-        return out;
-    }
-    out(0) -= g_dt * lambda(6);
-    out(1) += g_dt * lambda(5);
-    const Eigen::Vector2d tilt(lambda(0) - 0.5 * g_dt * lambda(6), lambda(1) + 0.5 * g_dt * lambda(5));
-    out.segment<3>(2) += from_bias.transpose() * tilt;
-    return out;
+void TiltTransition::propagate(TiltMatrix& P, AccelBiasEffect& effect) const {
+    TiltRows added;
+    added.noalias() = rows * P;
+    const Eigen::Matrix<double, S::changing, S::changing> corner = added * rows.transpose();
+    P.topRows<S::changing>() += added;
+    P.leftCols<S::changing>() += added.transpose();
+    P.topLeftCorner<S::changing, S::changing>() += corner;
+    effect.topRows<S::changing>() += (rows * effect + from_accel_bias).eval();
+}
+
+void TiltTransition::propagate_back(estim::Adjoint<tilt_states>& adjoint) const {
+    const TiltRows top = adjoint.Lambda.topRows<S::changing>();
+    const Eigen::Matrix<double, S::changing, S::changing> corner = top.leftCols<S::changing>();
+    adjoint.Lambda.noalias() += rows.transpose() * (top + corner * rows);
+    adjoint.Lambda.noalias() += top.transpose() * rows;
+    adjoint.Lambda = (0.5 * (adjoint.Lambda + adjoint.Lambda.transpose())).eval();
+    const Eigen::Matrix<double, S::changing, 1> lambda = adjoint.lambda.head<S::changing>();
+    adjoint.lambda.noalias() += rows.transpose() * lambda;
 }
 
 /// After a gap with unknown rotation: the mean force of the block is taken as gravity, as at the start.
@@ -139,21 +165,21 @@ void TiltChannel::level_anew() {
 }
 
 void TiltChannel::propagate() {
-    const TiltMatrix F = TiltTransition(block_, settings_.gravity).matrix();
-    P_ = (F * P_ * F.transpose()).eval();
+    TiltTransition(block_, settings_.gravity).propagate(P_, from_accel_bias_);
     const double dt = block_.duration, s = settings_.gyro_noise, t = settings_.turn_noise;
     const double tilt = s * s * dt + t * t * block_.turned + block_.doubt * block_.doubt;
-    const double bias = settings_.bias_walk * settings_.bias_walk * dt;
     double velocity = settings_.force_noise * settings_.force_noise * dt;
     if (block_.force_known) {
         velocity_ += block_.force_w.head<2>() * dt;
     } else {
         velocity += unknown_force * unknown_force * dt * dt;
     }
-    P_.diagonal() += (TiltVector() << tilt, tilt, bias, bias, bias, velocity, velocity).finished();
+    P_.diagonal().segment<2>(S::tilt).array() += tilt;
+    P_.diagonal().segment<2>(S::velocity).array() += velocity;
+    P_.diagonal().segment<3>(S::gyro_bias).array() += settings_.bias_walk * settings_.bias_walk * dt;
     if (block_.levelled) {
-        P_(0, 0) = P_(1, 1) = moving_tilt_std * moving_tilt_std;
-        P_(5, 5) = P_(6, 6) = settings_.velocity_std * settings_.velocity_std;
+        P_.diagonal().segment<2>(S::tilt).setConstant(moving_tilt_std * moving_tilt_std);
+        P_.diagonal().segment<2>(S::velocity).setConstant(settings_.velocity_std * settings_.velocity_std);
         velocity_.setZero();
     }
     for (int i = 0; i < 2; ++i) P_(i, i) = std::min(P_(i, i), largest_tilt_variance + P_(i, i) * 1e-9);
@@ -162,11 +188,12 @@ void TiltChannel::propagate() {
 void TiltChannel::correct(const TiltVector& dx) {
     // C_true = (I + [phi x]) C_est; the azimuth of the level frame is not affected here
     q_wb_ = math::quaternion_from_rotation_vector({dx(0), dx(1), 0.0}) * q_wb_;
-    bias_ -= dx.segment<3>(2);
-    velocity_ -= dx.tail<2>();
+    velocity_ -= dx.segment<2>(S::velocity);
+    bias_ -= dx.segment<3>(S::gyro_bias);
 }
 
 Block TiltChannel::close(TiltRecord* record) {
+    q_wb_.coeffs() *= 1.5 - 0.5 * q_wb_.squaredNorm();  // over a block the products of unit quaternions stay so to rounding
     const double n = samples_;
     block_.C_wb /= n;
     block_.rate_b /= n;
@@ -176,8 +203,8 @@ Block TiltChannel::close(TiltRecord* record) {
         block_.force_w /= forces_;
     }
     block_.bias_used = bias_;
-    block_.down_bias_std =
-        std::sqrt(std::max(0.0, block_.C_wb.row(2).dot(P_.block<3, 3>(2, 2) * block_.C_wb.row(2).transpose())));
+    block_.down_bias_std = std::sqrt(
+        std::max(0.0, block_.C_wb.row(2).dot(P_.block<3, 3>(S::gyro_bias, S::gyro_bias) * block_.C_wb.row(2).transpose())));
     watch_rest();
     if (level_wanted_) level_anew();
     propagate();
@@ -197,7 +224,7 @@ Block TiltChannel::close(TiltRecord* record) {
     speed_valid_ -= dt;
 
     Eigen::Vector2d innovation = velocity_ - expected;
-    const double nis = innovation.squaredNorm() / (P_(5, 5) + P_(6, 6) + 2.0 * r);
+    const double nis = innovation.squaredNorm() / (P_.diagonal().segment<2>(S::velocity).sum() + 2.0 * r);
     acceleration_level_ = rest ? 1.0 : acceleration_level_ + dt / (settings_.adaptation_time + dt) * (nis - acceleration_level_);
     r *= std::max(1.0, acceleration_level_);
 
@@ -208,18 +235,24 @@ Block TiltChannel::close(TiltRecord* record) {
         TiltVector h = TiltVector::Zero();
         h(state) = 1.0;
         const auto update = estim::update_scalar<tilt_states>(dx, P_, h, computed_minus_measured, variance);
-        if (record) record->updates[static_cast<std::size_t>(count)] = update;
+        const Eigen::RowVector3d effect = from_accel_bias_.row(state);
+        from_accel_bias_.noalias() -= update.k * effect;
+        if (record) {
+            record->updates[static_cast<std::size_t>(count)] = update;
+            record->from_accel_bias[static_cast<std::size_t>(count)] = effect;
+        }
         ++count;
     };
-    for (int i = 0; i < 2; ++i) measure(5 + i, innovation(i), r);
+    for (int i = 0; i < 2; ++i) measure(S::velocity + i, innovation(i), r);
     if (rest) {
         const double variance = settings_.rest_rate_std * settings_.rest_rate_std;
-        for (int i = 0; i < 3; ++i) measure(2 + i, bias_(i) - block_.rate_b(i), variance);
+        for (int i = 0; i < 3; ++i) measure(S::gyro_bias + i, bias_(i) - block_.rate_b(i), variance);
     }
     q_before_ = q_wb_;
     tilt_correction_ = dx.head<2>();
     correct(dx);
     block_.P_tilt = P_.topLeftCorner<2, 2>();
+    block_.tilt_of_accel_bias = settings_.accel_bias_std * from_accel_bias_.topRows<2>();
     block_.tilt_kept = (P_(0, 0) + P_(1, 1)) / tilt_before;
     const Block done = block_;
     if (record) {

@@ -4,6 +4,11 @@
 // affect the tilt (filtering in an almost inertial frame is the idea of [LaidigSeel2023]; here the filter has a velocity state
 // with its covariance). The velocity measurement is zero, with a large sigma in motion and a small one at rest, or the forward
 // speed of a vehicle if given: the centripetal correction. No magnetic quantity is used.
+//
+// A sensor that keeps its attitude cannot tell an accelerometer bias b from a tilt of b/g, and the tilt's covariance without it
+// would shrink far below that. The bias is considered, not estimated: the velocity of a hand varies with the attitude of the
+// sensor (a swinging arm), which looks like a bias fixed to the body. The sensitivity of all errors to it is computed along with
+// the gains, which it does not change, and its share is added to the published covariance.
 #pragma once
 
 #include "schuler/ahrs/block.h"
@@ -18,15 +23,25 @@
 
 namespace schuler::ahrs {
 
-inline constexpr int tilt_states = 7;  ///< tilt north-like and east-like (w axes, rad), gyro bias (b, rad/s), velocity (m/s)
+inline constexpr int tilt_states = 7;
 using TiltVector = Eigen::Matrix<double, tilt_states, 1>;
 using TiltMatrix = Eigen::Matrix<double, tilt_states, tilt_states>;
+
+/// Indices of the states: tilt north-like and east-like (w axes, rad), velocity (w, m/s), gyro bias (b, rad/s).
+struct TiltState {
+    static constexpr int tilt = 0, velocity = 2, gyro_bias = 4;
+    static constexpr int changing = 4;  ///< the first ones, which the others act on
+};
+using TiltRows = Eigen::Matrix<double, TiltState::changing, tilt_states>;
+/// Derivatives of the errors with respect to the accelerometer bias (b).
+using AccelBiasEffect = Eigen::Matrix<double, tilt_states, 3>;
 
 /// Data of one block required by the smoother.
 struct TiltRecord {
     Block block;
     Eigen::Matrix<double, 2, tilt_states> P_tilt;  ///< rows of the covariance after the updates
     std::array<estim::ScalarUpdate<tilt_states>, 5> updates;
+    std::array<Eigen::RowVector3d, 5> from_accel_bias;  ///< derivatives of their innovations
     int count = 0;
 };
 
@@ -52,7 +67,8 @@ public:
     [[nodiscard]] const Eigen::Quaterniond& q_wb() const { return q_wb_; }
     [[nodiscard]] const Eigen::Vector3d& rate_b() const { return rate_b_; }  ///< last rate minus bias
     [[nodiscard]] const Eigen::Vector3d& gyro_bias() const { return bias_; }
-    [[nodiscard]] const TiltMatrix& covariance() const { return P_; }
+    /// Of the tilt, w axes, rad^2; includes the accelerometer bias.
+    [[nodiscard]] Eigen::Matrix2d tilt_covariance() const;
     [[nodiscard]] const Eigen::Quaterniond& q_before() const { return q_before_; }  ///< before the last block's updates
     [[nodiscard]] const Eigen::Vector2d& tilt_correction() const { return tilt_correction_; }  ///< removed by them, rad
 
@@ -61,6 +77,7 @@ private:
     void level_anew();
     void propagate();
     void correct(const TiltVector& dx);
+    void forget_velocity();
 
     TiltSettings settings_;
     RestSettings rest_;
@@ -70,6 +87,7 @@ private:
     Eigen::Vector3d bias_ = Eigen::Vector3d::Zero();
     Eigen::Vector2d velocity_ = Eigen::Vector2d::Zero();
     TiltMatrix P_ = TiltMatrix::Zero();
+    AccelBiasEffect from_accel_bias_ = AccelBiasEffect::Zero();
     Eigen::Vector3d rate_b_ = Eigen::Vector3d::Zero();
     Block block_;
     int samples_ = 0, forces_ = 0;
@@ -81,17 +99,18 @@ private:
     bool speed_known_ = false, level_wanted_ = false;
 };
 
-/// Error transition of the tilt channel over a block: phi' = C_wb db, dv' = f x phi with f = (0, 0, -g). In the row products only
-/// the entries that differ from the identity are kept.
+/// Error transition of the tilt channel over a block: phi' = C_wb db, dv' = f x phi + C_wb a with f = (0, 0, -g) and the
+/// accelerometer bias a. It differs from the identity in the first rows only.
 struct TiltTransition {
-    Eigen::Matrix<double, 2, 3> from_bias;  ///< d(tilt)/d(bias)
-    bool levelled;                          ///< tilt and velocity restart
-    double g_dt;                            ///< d(vx)/d(phi_y) = -d(vy)/d(phi_x)
-    double dt;
+    TiltRows rows = TiltRows::Zero();  ///< these rows, minus the identity
+    Eigen::Matrix<double, TiltState::changing, 3> from_accel_bias = Eigen::Matrix<double, TiltState::changing, 3>::Zero();
 
     TiltTransition(const Block& block, double gravity);
     [[nodiscard]] TiltMatrix matrix() const;
-    [[nodiscard]] TiltVector transpose_times(const TiltVector& lambda) const;
+    /// F P F^T, and the effect of the accelerometer bias
+    void propagate(TiltMatrix& P, AccelBiasEffect& effect) const;
+    /// F^T lambda and F^T Lambda F
+    void propagate_back(estim::Adjoint<tilt_states>& adjoint) const;
 };
 
 }  // namespace schuler::ahrs

@@ -10,12 +10,12 @@ void apply(Eigen::Matrix<double, N, 1>& dx, Eigen::Matrix<double, N, N>& P, Scal
            const Eigen::Matrix<double, N, 1>& ph) {
     u.innovation = innovation - u.h.dot(dx);
     dx += u.k * u.innovation;
-    for (int c = 0; c < N; ++c) {
-        const double kc = u.k(c), a = ph(c) - u.s * kc;
-        // Column c of P - k ph^T - ph k^T + s k k^T.
-        P.col(c) -= u.k * a + ph * kc;
+    // P - k ph^T - ph k^T + s k k^T = P - k v^T - v k^T with v = ph - s k / 2; the lower triangle, then its mirror image
+    const Eigen::Matrix<double, N, 1> v = ph - 0.5 * u.s * u.k;
+    for (int c = 0; c < N; ++c) P.col(c) -= u.k * v(c) + v * u.k(c);
+    for (int c = 1; c < N; ++c) {
+        for (int r = 0; r < c; ++r) P(r, c) = P(c, r);
     }
-    P = (0.5 * (P + P.transpose())).eval();
 }
 
 }  // namespace
@@ -25,7 +25,10 @@ ScalarUpdate<N> update_scalar(Eigen::Matrix<double, N, 1>& dx, Eigen::Matrix<dou
                               const Eigen::Matrix<double, N, 1>& h, double innovation, double r) {
     ScalarUpdate<N> u;
     Eigen::Matrix<double, N, 1> ph;
-    ph.noalias() = P * h;
+    ph.setZero();
+    for (int c = 0; c < N; ++c) {  // rows are sparse: a measurement of one state needs one column
+        if (h(c) != 0.0) ph += P.col(c) * h(c);
+    }
     u.h = h;
     u.s = h.dot(ph) + r;
     u.k = ph / u.s;
