@@ -67,6 +67,7 @@ class TiltSettings:
     turn_noise: float
     bias_std: float
     bias_walk: float
+    accel_bias_std: float
     velocity_std: float
     velocity_time: float
     force_noise: float

@@ -113,6 +113,7 @@ void bind_settings(py::module_& m) {
         .def_readwrite("turn_noise", &TiltSettings::turn_noise)
         .def_readwrite("bias_std", &TiltSettings::bias_std)
         .def_readwrite("bias_walk", &TiltSettings::bias_walk)
+        .def_readwrite("accel_bias_std", &TiltSettings::accel_bias_std)
         .def_readwrite("velocity_std", &TiltSettings::velocity_std)
         .def_readwrite("velocity_time", &TiltSettings::velocity_time)
         .def_readwrite("force_noise", &TiltSettings::force_noise)
