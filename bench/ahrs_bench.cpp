@@ -5,6 +5,7 @@
 //     bench_ahrs [FOLDER]     FOLDER holds broad_* data sets; default $SCHULER_DATA, then ../shared/data
 //
 // VQF's figures are those of its authors' program with its default settings on the full-rate files [LaidigSeel2023].
+#include "ahrs_coverage.h"
 #include "broad_trials.h"
 #include "schuler/ahrs/mekf.h"
 #include "schuler/app/attitude/ahrs.h"
@@ -85,11 +86,38 @@ void offsets(const std::vector<BroadTrial>& trials, const std::vector<std::vecto
     fmt::print("\n");
 }
 
+/// At the reference's epochs with movement, the nearest row.
+bench::BeyondThreeSigma beyond_three_sigma(const std::vector<ahrs::AttitudeRow>& rows,
+                                           const std::vector<ReferenceSample>& reference) {
+    bench::BeyondThreeSigma out;
+    std::size_t k = 0;
+    for (const ReferenceSample& r : reference) {
+        if (!r.movement || !r.rpy.allFinite()) continue;
+        const auto apart = [&](std::size_t i) { return std::abs((rows[i].time - r.time).seconds()); };
+        while (k + 1 < rows.size() && apart(k + 1) <= apart(k)) ++k;
+        if (apart(k) < 0.01) out.add(rows[k], math::quaternion_from_rpy(r.rpy));
+    }
+    return out;
+}
+
+void coverage(const std::vector<BroadTrial>& trials, const std::vector<std::array<bench::BeyondThreeSigma, 2>>& beyond) {
+    fmt::print("beyond three sigma in movement, %, online and offline: tilt; heading (raw: the field is taken for north)\n");
+    for (std::size_t i = 0; i < trials.size(); ++i) {
+        const auto& [online, offline] = beyond[i];
+        fmt::print("{:<32.32}{:>8.1f}{:>8.1f}{:>14.1f}{:>8.1f}\n", trials[i].name, online.percent(online.tilt),
+                   offline.percent(offline.tilt), online.percent(online.heading), offline.percent(offline.heading));
+    }
+    fmt::print("\n");
+}
+
 void accuracy(const std::vector<BroadTrial>& trials) {
     std::vector<std::vector<analysis::BroadErrors>> all;
+    std::vector<std::array<bench::BeyondThreeSigma, 2>> beyond;
     for (const BroadTrial& t : trials) {
         all.emplace_back();
-        for (const Variant& v : variants) {
+        beyond.emplace_back();
+        for (std::size_t k = 0; k < variants.size(); ++k) {
+            const Variant& v = variants[k];
             WarningLog unheard;
             app::AhrsRequest request;
             request.filter = v.filter;
@@ -98,6 +126,7 @@ void accuracy(const std::vector<BroadTrial>& trials) {
             const app::AhrsInput input = app::ahrs_input(t.data, request, unheard);
             const ahrs::RunResult result = ahrs::run(input.imu, input.mag, input.speed, input.settings);
             all.back().push_back(analysis::broad_errors(app::attitude_pairs(result.rows, t.data.recording.reference)));
+            if (k < 2) beyond.back()[k] = beyond_three_sigma(result.rows, t.data.recording.reference);
         }
     }
     for (const bool raw : {false, true}) {
@@ -131,6 +160,7 @@ void accuracy(const std::vector<BroadTrial>& trials) {
         fmt::print("\n");
     }
     offsets(trials, all);
+    coverage(trials, beyond);
 }
 
 /// Samples a second of the full filter, magnetometer included, the attitude read at every sample: median and best of several

@@ -2,6 +2,7 @@
 // and whether the smoothed north is nearer than that of the real-time filter.
 //
 //     bench_ahrs_campaign [LOGS_OF_A_KIND] [FIRST_SEED]
+#include "ahrs_coverage.h"
 #include "ahrs_logs.h"
 
 #include "schuler/ahrs/run.h"
@@ -31,22 +32,18 @@ struct North {
 North add(Score& s, const ahrs::RunResult& result, const ahrs_logs::Log& log, double share, std::uint64_t seed) {
     std::vector<analysis::AttitudePair> pairs;
     const std::size_t lost = log.truth.size() - result.rows.size();
-    double heading_out = 0.0, tilt_out = 0.0;
+    bench::BeyondThreeSigma beyond;
     for (std::size_t i = 0; i < result.rows.size(); ++i) {
         if (!log.moving[i + lost]) continue;
-        const ahrs::AttitudeRow& row = result.rows[i];
-        pairs.push_back({row.q_nb, log.truth[i + lost]});
-        const Eigen::Vector3d e = math::rotation_vector_from_quaternion(row.q_nb * log.truth[i + lost].conjugate());
-        heading_out += std::abs(e.z()) > 3.0 * row.std_phi.z() ? 1.0 : 0.0;
-        tilt_out += std::abs(e.x()) > 3.0 * row.std_phi.x() || std::abs(e.y()) > 3.0 * row.std_phi.y() ? 1.0 : 0.0;
+        pairs.push_back({result.rows[i].q_nb, log.truth[i + lost]});
+        beyond.add(result.rows[i], log.truth[i + lost]);
     }
     const analysis::BroadErrors e = analysis::broad_errors(pairs);
-    const double n = static_cast<double>(pairs.size());
     s.removed += share * e.total / units::deg;
     s.raw += share * e.raw_total / units::deg;
     s.inclination += share * e.inclination / units::deg;
-    s.heading_out += share * 100.0 * heading_out / n;
-    s.tilt_out += share * 100.0 * tilt_out / n;
+    s.heading_out += share * beyond.percent(beyond.heading);
+    s.tilt_out += share * beyond.percent(beyond.tilt);
     s.largest_raw = std::max(s.largest_raw, e.raw_total / units::deg);
     if (e.total / units::deg > s.largest) {
         s.largest = e.total / units::deg;

@@ -203,27 +203,39 @@ TEST(Hypotheses, TheSmootherKnowsWhoWasRight) {
     EXPECT_LT(worst(smoothed), 0.4 * worst(forward));  // not less: from the fault to the first refused fix nobody knew
 }
 
-/// A gyro that drifts off while there are no fixes: afterwards the smoother knows, and corrects the time without them too.
+/// An inertial unit that fails while there are no fixes: the fixes afterwards show it, and the smoother corrects the time without them too.
 TEST(Hypotheses, TheSmootherCorrectsTheOutageInWhichTheNavigationWentWrong) {
-    constexpr double length = 15.0;  // s
-    Drive d = drive(44);
-    disturb(d, 0.0, length, [](ImuSample& s) { s.gyro.x() += 0.4 * deg; });
-    std::erase_if(d.recording.gnss, [&](const GnssFix& f) { return age(d, f.time) > 0.0 && age(d, f.time) < length; });
-    d.settings.smooth = true;
-    const Result r = fuse(d.recording, d.settings);
-    EXPECT_NE(std::ranges::find(r.alerts, IntegrityTest::Navigation, &Alert::test), r.alerts.end());
-    const auto worst = [&](const std::vector<SolutionRow>& rows, bool in_sigmas) {
-        double w = 0.0;
-        for (const auto& e : errors(d.settings, rows, d.recording)) {
-            const SolutionRow& row = *std::ranges::lower_bound(rows, e.time, {}, &SolutionRow::time);
-            if (age(d, e.time) > 0.0 && age(d, e.time) < length)
-                w = std::max(w, (in_sigmas ? e.position.cwiseQuotient(row.std_position) : e.position).head<2>().norm());
-        }
-        return w;
+    constexpr double length = 15.0, forever = 1e9;  // s
+    struct Fault {
+        const char* what;
+        double until;
+        Vector3d gyro, accel;
     };
-    EXPECT_GT(worst(r.forward.rows, false), 20.0);
-    EXPECT_LT(worst(r.smoothed.rows, false), 0.1 * worst(r.forward.rows, false));
-    EXPECT_LT(worst(r.smoothed.rows, true), 4.0);
+    for (const Fault& fault : {Fault{"gyro, outage only", length, {0.4 * deg, 0.0, 0.0}, Vector3d::Zero()},
+                               Fault{"gyro", forever, {0.4 * deg, 0.0, 0.0}, Vector3d::Zero()},
+                               Fault{"accelerometer", forever, Vector3d::Zero(), {0.0, 1.0, 0.0}}}) {
+        Drive d = drive(44);
+        disturb(d, 0.0, fault.until, [&](ImuSample& s) {
+            s.gyro += fault.gyro;
+            s.accel += fault.accel;
+        });
+        std::erase_if(d.recording.gnss, [&](const GnssFix& f) { return age(d, f.time) > 0.0 && age(d, f.time) < length; });
+        d.settings.smooth = true;
+        const Result r = fuse(d.recording, d.settings);
+        EXPECT_NE(std::ranges::find(r.alerts, IntegrityTest::Navigation, &Alert::test), r.alerts.end()) << fault.what;
+        const auto worst = [&](const std::vector<SolutionRow>& rows, bool in_sigmas) {
+            double w = 0.0;
+            for (const auto& e : errors(d.settings, rows, d.recording)) {
+                const SolutionRow& row = *std::ranges::lower_bound(rows, e.time, {}, &SolutionRow::time);
+                if (age(d, e.time) > 0.0 && age(d, e.time) < length)
+                    w = std::max(w, (in_sigmas ? e.position.cwiseQuotient(row.std_position) : e.position).head<2>().norm());
+            }
+            return w;
+        };
+        EXPECT_GT(worst(r.forward.rows, false), 20.0) << fault.what;
+        EXPECT_LT(worst(r.smoothed.rows, false), 0.1 * worst(r.forward.rows, false)) << fault.what;
+        EXPECT_LT(worst(r.smoothed.rows, true), 4.0) << fault.what;
+    }
 }
 
 /// A challenger that takes every other fix does not explain them either: it is begun anew. The rows are written as they come, so the run is

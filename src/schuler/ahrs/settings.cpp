@@ -19,6 +19,7 @@ void MekfSettings::check() const {
     check_positive({{"block", block},
                     {"tilt.gyro_noise", tilt.gyro_noise},
                     {"tilt.bias_std", tilt.bias_std},
+                    {"tilt.accel_bias_std", tilt.accel_bias_std},
                     {"tilt.velocity_std", tilt.velocity_std},
                     {"tilt.velocity_time", tilt.velocity_time},
                     {"tilt.rest_rate_std", tilt.rest_rate_std},

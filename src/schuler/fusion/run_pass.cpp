@@ -149,9 +149,9 @@ Rehearsed<Frame> rehearse(const Pass<Frame>& pass, FilterRun<Frame> run, std::si
     return out;
 }
 
-/// The openings after a long time without an accepted fix, spread over that time: all at its end, the covariance would let the
-/// smoother correct nothing of the error within it. Empty if there are none.
-std::vector<Opening> gradual(const std::vector<Opening>& openings, const RunData& data) {
+/// The openings after a long time without an accepted fix are spread over that time: an increase of the covariance at its end is a
+/// barrier for the smoother, which would correct nothing of the error before it. Empty if there are none.
+std::vector<Opening> spread_over_gaps(const std::vector<Opening>& openings, const RunData& data) {
     constexpr double shortest = 3.0, step = 1.0;  // s
     constexpr int most = 30;                      // of one error
     std::vector<Opening> out;
@@ -174,14 +174,14 @@ std::vector<Opening> gradual(const std::vector<Opening>& openings, const RunData
     return any ? out : std::vector<Opening>{};
 }
 
-/// The rehearsal with gradual openings; empty if the filter diverges with them, or rejects more parts of fixes than `most`.
+/// The checkpoints with such openings; empty if the filter diverges with them, or rejects more parts of fixes than `most`.
 template <class Frame>
-std::vector<FilterRun<Frame>> rehearse_gradual(const Pass<Frame>& pass, const FilterRun<Frame>& first, std::size_t end,
-                                               std::ptrdiff_t most) {
+std::vector<FilterRun<Frame>> rehearse_spread(const Pass<Frame>& pass, const FilterRun<Frame>& first, std::size_t end,
+                                              std::ptrdiff_t most) {
     try {
         Rehearsed<Frame> rehearsed = rehearse(pass, first, end);
         if (rehearsed.refused <= most) return std::move(rehearsed.checkpoints);
-    } catch (const Error&) {  // the openings at the end of that time were used without divergence
+    } catch (const Error&) {  // diverged; with the openings of the contest it did not
     }
     return {};
 }
@@ -226,22 +226,21 @@ Result run_in(const RunData& data, const Settings& settings, const Start& start,
     hand_over.end();
     result.filter_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     if (options.smooth) {
-        std::optional<Pass<Frame>> decided;
+        std::vector<Opening> openings = run.openings;
         if (run.sides_changed > 0) {
+            const auto pass_with = [&](const std::vector<Opening>& o) {
+                return Pass<Frame>(model, data, settings, Rivalry::Decided, o);
+            };
             const FilterRun<Frame> first = first_step<Frame>(model, data, settings, start);
             checkpoints.clear();
-            if (const std::vector<Opening> openings = gradual(run.openings, data); !openings.empty()) {
-                decided.emplace(model, data, settings, Rivalry::Decided, openings);
-                checkpoints = rehearse_gradual(*decided, first, end, std::ranges::count_if(result.aids, is_refused_fix));
+            if (std::vector<Opening> spread = spread_over_gaps(openings, data); !spread.empty()) {
+                checkpoints = rehearse_spread(pass_with(spread), first, end, std::ranges::count_if(result.aids, is_refused_fix));
+                if (!checkpoints.empty()) openings = std::move(spread);
             }
-            if (checkpoints.empty()) {
-                decided.emplace(model, data, settings, Rivalry::Decided, run.openings);
-                checkpoints = rehearse(*decided, first, end).checkpoints;
-            }
-        } else {
-            decided.emplace(model, data, settings, Rivalry::Decided, run.openings);
+            if (checkpoints.empty()) checkpoints = rehearse(pass_with(openings), first, end).checkpoints;
         }
-        smooth_back(*decided, model, settings, data.imu.median_dt, checkpoints, end, block, options.progress, result.smoothed);
+        const Pass<Frame> decided(model, data, settings, Rivalry::Decided, std::move(openings));
+        smooth_back(decided, model, settings, data.imu.median_dt, checkpoints, end, block, options.progress, result.smoothed);
     }
     return result;
 }

@@ -59,7 +59,7 @@ struct Opening {
     Eigen::Vector3d rate = Eigen::Vector3d::Zero();      ///< of the position's, m/s
     double span = 1.0;                                   ///< s since the last accepted fix
     double bias_jump = 0.0;  ///< a bias may have changed to explain the innovation, by at most this many tenths of a rad/s
-    /// For the smoother: this part of an error that arose gradually during `span`; zero: all at once, at its end.
+    /// For the smoother: fraction of an error that arose gradually during `span`; zero: the whole error at once, at its end.
     double part = 0.0;
 };
 
