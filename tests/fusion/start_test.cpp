@@ -88,6 +88,20 @@ TEST(Start, VelocityComesFromPositionsWhereTheReceiverTellsNone) {
     EXPECT_LT(start.std_velocity.maxCoeff(), 5.0);
 }
 
+// Positions of metres tell the speed of a walker worse than his kind does, but not that he walks at 130 m/s.
+TEST(Start, PositionsOfMetresRefuteThatAVehicleIsSlow) {
+    sim::Scenario s = steady(-130.0, 25.0);
+    s.gnss.white_position = {10.0, 10.0, 15.0};
+    Recording recording = sim::simulate(s).recording;
+    without_velocities(recording);
+    Settings f = settings_of(s);
+    f.vehicle = VehicleKind::Hand;
+    const Start start = start_of(recording, f);
+    const Vector3d off = start.nav.v_eb_n - truth_at(recording, start.nav.time).velocity_n;
+    for (int i = 0; i < 3; ++i) EXPECT_LT(std::abs(off(i)), 3.0 * start.std_velocity(i)) << i;
+    EXPECT_LT(start.std_velocity.head<2>().maxCoeff(), 10.0);
+}
+
 // Steadily straight on a MEMS unit feels nothing of where it points: any heading fits, and that is what is reported to the end.
 TEST(Start, HeadingThatNothingTellsStaysUndecided) {
     const sim::Scenario s = steady(5.0, 3.0);
@@ -142,6 +156,61 @@ TEST(Latency, OfTheVelocityIsAStateOfItsOwn) {
         EXPECT_NEAR(last.value[k], 0.12, 0.05);
     }
     EXPECT_EQ(inside, runs);
+}
+
+/// The value of a state at the end of a run, and its sigma.
+std::pair<double, double> last_of(const Result& result, const char* name) {
+    const auto block = std::ranges::find(result.states, name, &LayoutBlock::name);
+    if (block == result.states.end()) return {NAN, NAN};
+    const ParameterRow& last = result.forward.parameters.back();
+    const auto k = static_cast<std::size_t>(block->offset - 9);
+    return {last.value[k], last.std[k]};
+}
+
+// An antenna that is shaken through a whole period within the error of the latency: its velocity at one instant tells no latency.
+TEST(Latency, IsNotLearntFromAVibration) {
+    for (const std::uint64_t seed : {1u, 2u, 3u}) {
+        sim::Scenario s = town_drive(seed, 5.0, 400.0);
+        std::get<sim::RoutePath>(s.path).vibration = {13.3, 0.05 * deg, 0.5};
+        s.imu.rate = 200.0;
+        s.gnss.lever_arm_b = {-1.5, -0.4, -0.3};
+        s.gnss.white_position = {0.3, 0.3, 0.45};
+        s.gnss.white_velocity.setConstant(0.05);
+        s.gnss.position_latency = s.gnss.velocity_latency = 0.03;
+        const Recording recording = sim::simulate(s).recording;
+        Settings f = settings_of(s);
+        give_start(f, recording, seed);
+        f.gnss.latency = f.gnss.velocity_latency.emplace(0.11);
+        f.gnss.latency_std = f.gnss.velocity_latency_std = 0.08;
+        const auto [off, std] = last_of(fuse(recording, f), "gnss_velocity_latency_error");
+        EXPECT_LT(std::abs(off + 0.06), 3.0 * std) << seed << ": " << off << " +- " << std;
+        EXPECT_LT(std, 0.025) << seed;
+    }
+}
+
+// Over a fifth of a second the motion is not what its acceleration at one instant says: the run starts from the latency that a trial found.
+TEST(Latency, ThatIsFoundIsTheOneAboutWhichTheFilterIsLinear) {
+    const sim::Scenario s = flight_in_curves(3, 0.22);
+    const Recording recording = sim::simulate(s).recording;
+    Settings f = settings_of(s);
+    f.vehicle = VehicleKind::Air;
+    f.gnss.latency_std = f.gnss.velocity_latency_std = 0.15;
+    const Result as_given = fuse(recording, f);
+    EXPECT_NEAR(last_of(as_given, "gnss_velocity_latency_error").first, 0.22, 0.03);
+    EXPECT_EQ(as_given.findings.velocity_latency, 0.0);
+    f.gnss.latency_found = true;
+    const Result corrected = fuse(recording, f);
+    EXPECT_NEAR(corrected.findings.velocity_latency, 0.22, 0.03);
+    EXPECT_NEAR(corrected.findings.position_latency, 0.22, 0.03);
+    EXPECT_LT(std::abs(last_of(corrected, "gnss_velocity_latency_error").first), 0.01);
+    EXPECT_FALSE(corrected.findings.in_force->gnss.latency_found);
+    EXPECT_EQ(corrected.findings.in_force->gnss.latency_std, 0.15);  // what the trial found is not used twice
+    const auto told = std::ranges::find(corrected.findings.tuned, "gnss.velocity_latency_s", &TunedSetting::key);
+    ASSERT_NE(told, corrected.findings.tuned.end());
+    EXPECT_LT(told->sigma, 0.05);
+    // given again, the same
+    const Result again = fuse(recording, *corrected.findings.in_force);
+    EXPECT_EQ(again.forward.rows.back().v_eb_n, corrected.forward.rows.back().v_eb_n);
 }
 
 // A start by fixes is as late as they are. Were it taken for on time, all that follows would agree with a latency of nothing.

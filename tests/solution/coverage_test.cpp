@@ -156,6 +156,16 @@ TEST(Coverage, AnIncreaseThatHarmsAnyWindowsIsNotAdopted) {
     EXPECT_FALSE(was_missing({poor, good}, {poor, windows(100, std::nan(""))}));
     EXPECT_TRUE(was_missing({good, good}, {poor, good}));  // the manoeuvre was in the other windows
     EXPECT_FALSE(was_missing({good, good}, {good, good}));
+    // Few windows may have twice the errors by chance: that is no harm where the sigmas cover them.
+    const Coverage twice = windows(100, 7.0), half_lost = windows(50, 7.0);
+    EXPECT_TRUE(was_missing({good, twice}, {poor, good}));
+    EXPECT_FALSE(was_missing({windows(40, 3.5), half_lost}, {poor, good}));
+    EXPECT_FALSE(was_missing({poor, good}, {poor, twice}));
+    // Heights that a barometer supports are not what the noise is for, neither for it nor against it.
+    Coverage before = good, after = good;
+    before.epochs = after.epochs = before.vertical = after.vertical = {100, 85};
+    EXPECT_FALSE(was_missing({before, after}, {poor, good}));
+    EXPECT_TRUE(was_missing({before, after, 2}, {poor, good, 2}));
 }
 
 }  // namespace

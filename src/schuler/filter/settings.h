@@ -73,6 +73,7 @@ struct GnssSettings {
     /// s, one sigma of the velocity latency: if above 0, its error is a separate state; otherwise a velocity without a latency of
     /// its own is assumed to have that of the position.
     double velocity_latency_std = 0.0;
+    bool latency_found = false;  ///< the latencies were not given: those that are states may be corrected before a run
     /// s, one sigma of the white error of the fix times, by which positions vary with the velocity and velocities with the
     /// acceleration. Not given: the part not covered by the latency sigma, or fitted together with the noise.
     std::optional<double> jitter;

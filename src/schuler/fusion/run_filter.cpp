@@ -5,6 +5,7 @@
 #include "schuler/fusion/backward.h"
 #include "schuler/fusion/height_faults.h"
 #include "schuler/fusion/intermediate_run.h"
+#include "schuler/fusion/latency_centre.h"
 #include "schuler/fusion/legs.h"
 #include "schuler/fusion/mounting.h"
 #include "schuler/fusion/realignment.h"
@@ -88,7 +89,7 @@ void check_overlap(const Recording& recording, const InitialSettings& initial, W
 /// Settings that reproduce this run with its estimated values as given ones.
 Settings in_force(Settings settings) {
     settings.imu.estimate_mounting = settings.imu.estimate_noise = false;
-    settings.gnss.estimate_latency = settings.gnss.estimate_std = false;
+    settings.gnss.estimate_latency = settings.gnss.estimate_std = settings.gnss.latency_found = false;
     return settings;
 }
 
@@ -204,6 +205,10 @@ Result run_leg(const Recording& recording, const Settings& given, WarningLog& wa
         settings.gnss.latency_std = latency_std("gnss.latency_s", settings.gnss.latency_std, findings);
         settings.gnss.velocity_latency_std = latency_std("gnss.velocity_latency_s", settings.gnss.velocity_latency_std, findings);
         start = find_start(data, settings, findings, warnings);
+    }
+    if (centre_latencies(data, settings, start, screen, findings)) {
+        WarningLog heard;
+        start = find_start(data, settings, findings, heard);
     }
     if (settings.imu.estimate_mounting) {
         const MountingEstimate mounting = estimate_mounting(data, settings, start);

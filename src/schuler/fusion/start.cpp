@@ -163,19 +163,22 @@ void set_biases(Start& start, const Settings& settings) {
     start.std_accel_bias = Vector3d::Constant(settings.imu.errors.accel_initial_bias());
 }
 
-/// Velocity from the positions of the first second or two, and its sigma; sigmas are infinite if fixes are too far apart.
+/// Velocity from the positions of the first one to three seconds, whichever time gives the smallest sigma, and that sigma; infinite if
+/// fixes are too far apart.
 std::pair<Vector3d, Vector3d> velocity_by_positions(const RunData& data, const Settings& settings, const Event& first) {
     constexpr double least = 0.95, most = 3.0, accel = 2.0;  // s, s, m/s^2: possible acceleration of the vehicle in that time
     const GnssFix& from = data.recording->gnss[first.index];
+    std::pair<Vector3d, Vector3d> best{Vector3d::Zero(), Vector3d::Constant(std::numeric_limits<double>::infinity())};
     for (const Event& e : data.events) {
         const double dt = (e.valid - first.valid).seconds();
         if (e.kind != AidKind::GnssPosition || e.withheld || (e.components & 3) != 3 || dt < least) continue;
         if (dt > most) break;
-        const Vector3d moved = earth::ned_difference(settings.earth, data.recording->gnss[e.index].position, from.position);
         const Vector3d noise = std::sqrt(2.0) / dt * data.fix_noise[e.index].position;
-        return {moved / dt, noise.unaryExpr([&](double n) { return std::hypot(n, 0.5 * accel * dt); })};
+        const Vector3d std = noise.unaryExpr([&](double n) { return std::hypot(n, 0.5 * accel * dt); });
+        if (std.head<2>().norm() >= best.second.head<2>().norm()) continue;
+        best = {earth::ned_difference(settings.earth, data.recording->gnss[e.index].position, from.position) / dt, std};
     }
-    return {Vector3d::Zero(), Vector3d::Constant(std::numeric_limits<double>::infinity())};
+    return best;
 }
 
 /// Position, velocity and time; attitude is set by the caller.
@@ -214,8 +217,10 @@ void set_position(Start& start, const RunData& data, const Settings& settings) {
             }
     if (fix_event != nullptr && start.velocity_of_fix.isZero()) {
         const auto [moved, std_moved] = velocity_by_positions(data, settings, *fix_event);
+        // Noisy positions tell less of a slow vehicle than its kind does, but they may refute that it is slow.
+        const bool fast = (moved.head<2>().array().abs() > 3.0 * (std_moved + std_velocity).head<2>().array()).any();
         for (int i = 0; i < 3; ++i)
-            if (std::isfinite(moved(i)) && std_moved(i) < std_velocity(i)) {
+            if (std::isfinite(moved(i)) && (std_moved(i) < std_velocity(i) || (fast && std::isfinite(std_moved(i))))) {
                 velocity(i) = moved(i);
                 std_velocity(i) = std_moved(i);
             }

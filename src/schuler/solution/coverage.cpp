@@ -263,9 +263,11 @@ double rounded(double x) { return std::strtod(fmt::format("{:.3g}", x).c_str(), 
 
 }  // namespace
 
-bool covers(const Coverage& c) {
+const Inside& inside_of(const Coverage& c, int axes) { return axes < 3 ? c.horizontal : c.epochs; }
+
+bool covers(const Coverage& c, int axes) {
     const std::size_t lost = c.held.epochs - c.held.inside;
-    return c.epochs.share() >= wanted_coverage && 20 * lost <= std::max<std::size_t>(c.held.epochs, 20);
+    return inside_of(c, axes).share() >= wanted_coverage && 20 * lost <= std::max<std::size_t>(c.held.epochs, 20);
 }
 
 NoiseScale NoiseScale::or_larger(const NoiseScale& other) const {
@@ -277,14 +279,16 @@ NoiseScale NoiseScale::times(const NoiseScale& more) const {
 }
 
 double Increase::gain() const {
-    return (after.epochs.share() - before.epochs.share()) + (after.held.share() - before.held.share());
+    return (inside_of(after, axes).share() - inside_of(before, axes).share()) + (after.held.share() - before.held.share());
 }
 
-bool Increase::harms() const { return !(after.end_rms < 1.5 * before.end_rms); }
+bool Increase::worsens(double factor) const { return !(after.end_rms < factor * before.end_rms); }
 
 bool was_missing(const Increase& judges, const Increase& all) {
-    if (judges.harms() || all.harms()) return false;
-    return judges.gain() > 0.0 || (covers(judges.before) && covers(judges.after) && all.gain() > 0.0);
+    constexpr double by_half = 1.5, beyond_chance = 3.0;
+    const bool still_covered = covers(judges.after, judges.axes);
+    if (all.worsens(by_half) || judges.worsens(still_covered ? beyond_chance : by_half)) return false;
+    return judges.gain() > 0.0 || (covers(judges.before, judges.axes) && still_covered && all.gain() > 0.0);
 }
 
 NoiseScale missing_noise(std::span<const WithheldEpoch> epochs, int axes) {

@@ -98,23 +98,27 @@ struct NoiseScale {
     [[nodiscard]] NoiseScale or_larger(const NoiseScale& other) const;
 };
 
+/// The epochs inside in the axes that depend on the inertial noise: north and east, or all three (see missing_noise).
+[[nodiscard]] const Inside& inside_of(const Coverage& coverage, int axes);
 /// True if this coverage is sufficient: in the epochs, and with at most one window in twenty lost.
-[[nodiscard]] bool covers(const Coverage& coverage);
+[[nodiscard]] bool covers(const Coverage& coverage, int axes = 3);
 
 /// The same windows before and after an increase of the noise.
 struct Increase {
     const Coverage &before, &after;
+    int axes = 3;  ///< those that it concerns
 
     /// In the share of epochs and of windows.
     [[nodiscard]] double gain() const;
-    /// The errors at the ends of the windows grow by half or more, or are no longer finite.
-    [[nodiscard]] bool harms() const;
+    /// The errors at the ends of the windows grow by this factor or more, or are no longer finite.
+    [[nodiscard]] bool worsens(double factor) const;
 };
 
 /// Whether an increase of the noise is adopted, judged by the windows that did not determine it and by all. Noise that does not
 /// improve the sigmas of the judging windows was not missing; if they were already covered, for example with a single manoeuvre
-/// in the other windows, it is adopted if it improves all and still covers these. Noise that harms either is not adopted: a
-/// filter may diverge with it in a manoeuvre that only the other windows contain.
+/// in the other windows, it is adopted if it improves all and still covers these. Noise with which the errors of either grow by
+/// half is not adopted: a filter may diverge with it in a manoeuvre that only the other windows contain. The judging windows alone
+/// are few, so where the sigmas cover them the limit is three, beyond chance.
 [[nodiscard]] bool was_missing(const Increase& judges, const Increase& all);
 
 /// The missing noise: with it the sigmas match the errors, and wanted_coverage of these epochs would have been inside. The upper

@@ -151,8 +151,9 @@ Halves with_wider_noise(const Checker& checker, const std::array<std::vector<std
                      },
                      {});
         const Coverage c = coverage_of(now[speaks], length);
-        if (trial >= trials || covers(c) || c.epochs.share() <= share) return now;
-        share = c.epochs.share();
+        const double now_inside = inside_of(c, axes).share();
+        if (trial >= trials || covers(c, axes) || now_inside <= share) return now;
+        share = now_inside;
         const NoiseScale more = missing_noise(now[speaks], axes);
         const NoiseScale larger = scale.times(more);
         if (larger.gyro == scale.gyro && larger.accel == scale.accel) return now;
@@ -188,17 +189,17 @@ void check(SelfCheck& out, const LoadedDataset& data, const fusion::Result& resu
     if (scale.is_one()) return;
     constexpr std::size_t short_log = 300'000;  // IMU epochs: processing them takes a fraction of the start-up time
     const int trials = data.recording.imu.size() <= short_log ? 3 : 1;
-    const double share = coverage_of(epochs[speaks], windows.length).epochs.share();
+    const double share = inside_of(coverage_of(epochs[speaks], windows.length), axes).share();
     Halves now = with_wider_noise(checker, halves, windows.length, speaks, axes, trials, share, scale);
     const std::size_t judges = 1 - speaks;
     Coverage without = coverage_of(epochs[judges], windows.length), with = coverage_of(now[judges], windows.length);
     // A noise sufficient for one half but not for the other is too small: the other half is then used as well, each is evaluated
     // with the noise required by the other, and the larger noise is adopted.
-    const NoiseScale others = covers(with) ? NoiseScale{} : missing_noise(epochs[judges], axes);
+    const NoiseScale others = covers(with, axes) ? NoiseScale{} : missing_noise(epochs[judges], axes);
     if (others.gyro > scale.gyro || others.accel > scale.accel) {
         NoiseScale second = others;
         const Halves then =
-            with_wider_noise(checker, halves, windows.length, judges, axes, trials, without.epochs.share(), second);
+            with_wider_noise(checker, halves, windows.length, judges, axes, trials, inside_of(without, axes).share(), second);
         without = out.coverage;
         with = coverage_of(both(then[speaks], now[judges]), windows.length);
         now = then;
@@ -214,7 +215,7 @@ void check(SelfCheck& out, const LoadedDataset& data, const fusion::Result& resu
     }
     out.tried = scale;
     const Coverage all = coverage_of(both(now[0], now[1]), windows.length);
-    if (!was_missing({without, with}, {out.coverage, all})) return;
+    if (!was_missing({without, with, axes}, {out.coverage, all, axes})) return;
     out.before = without;
     out.coverage = with;
     out.all = all;

@@ -122,7 +122,7 @@ void InertialFilter<Frame>::propagate(const InertialModel& model, const ImuIncre
         w_ib_b = (rate + 0.5 * dt * acceleration).vector();
         if (model.eccentric()) {
             recent_rate.add(rate.vector(), acceleration.vector(), dt);
-            slow_rate = (Triple(slow_rate) + (dt / (rate_memory + dt)) * (rate - Triple(slow_rate))).vector();
+            if (model.late()) mean_rate.add(rate, dt, latency_width);
         }
     }
     if (model.late()) {
@@ -131,9 +131,7 @@ void InertialFilter<Frame>::propagate(const InertialModel& model, const ImuIncre
         last_force = force_now;
     }
     previous = inc;
-    const Triple force(df), known(recent_force);
-    const bool first = known.squared_norm() == 0.0;
-    recent_force = first ? (by_dt * force).vector() : (known + (1.0 / (force_memory + dt)) * (force - dt * known)).vector();
+    recent_force.add(by_dt * Triple(df), dt, model.late() ? latency_width : force_width);
     double gyro_psd = model.gyro_psd + bridge.gyro_psd, accel_psd = model.accel_psd + bridge.accel_psd;
     if (model.gyro_gain > 0.0 || model.accel_gain > 0.0) {
         const BridgeNoise more = gain_noise(model, raw);
@@ -143,7 +141,7 @@ void InertialFilter<Frame>::propagate(const InertialModel& model, const ImuIncre
     const Vector3d effective = bridge.standing ? vertical_part(model, df, dt) : df;
     gathered.add(model.layout, dt, 0.5 * (C0 + C), effective, rate.vector(), (by_dt * Triple(inc.dv)).vector(), gyro_psd,
                  accel_psd);
-    math::add_to(gathered.acceleration, Triple(Frame::velocity(nav)) - Triple(velocity0) - (force - Triple(effective)));
+    math::add_to(gathered.acceleration, Triple(Frame::velocity(nav)) - Triple(velocity0) - (Triple(df) - Triple(effective)));
     if (model.eccentric()) gathered.rotation += C - C0;
 }
 
@@ -459,13 +457,12 @@ Estimate InertialFilter<Frame>::estimate(const InertialModel& model) const {
     if (model.eccentric()) {
         e.rate_variance = rate_variance(model);
         e.uncertain_rate = uncertain_rate(e.rate_variance);
-        if (model.late() && previous.dt > 0.0) e.angular_acceleration = (previous.dtheta / previous.dt - slow_rate) / rate_memory;
+        e.angular_acceleration = mean_rate.derivative();
     }
     e.heading_unknown = heading_unknown(heading_variance(model));
-    const Vector3d force_n = Frame::errors_are_geographic
-                                 ? recent_force
-                                 : Vector3d(earth::C_en(e.nav.position.lat, e.nav.position.lon).transpose() * recent_force);
-    e.a_n = force_n + earth::terms_at(model.earth, e.nav.position, e.nav.v_eb_n).g_n;
+    e.a_n = earth::terms_at(model.earth, e.nav.position, e.nav.v_eb_n).g_n;
+    if constexpr (Frame::errors_are_geographic) e.a_n += recent_force.mean();
+    else e.a_n += earth::C_en(e.nav.position.lat, e.nav.position.lon).transpose() * recent_force.mean();
     if (!fed_back) e.w_ib_b += error.segment<3>(Layout::gyro_bias);
     e.parameters = estimated_parameters();
     return e;

@@ -13,6 +13,7 @@
 #include "schuler/filter/states/heading_force.h"
 #include "schuler/filter/states/layout.h"
 #include "schuler/filter/states/recent_change.h"
+#include "schuler/filter/states/recent_mean.h"
 #include "schuler/sensor/grades.h"
 
 #include <Eigen/Core>
@@ -68,10 +69,12 @@ struct BridgeNoise {
     bool standing = false;  ///< the body has been stationary until now
 };
 
-/// s, time constant of the specific force used in rows with a latency: the averaging time of a receiver's velocity.
-inline constexpr double force_memory = 0.05;
-/// s, time constant of the mean rate whose difference from the rate gives the angular acceleration: shorter, as an antenna follows it.
-inline constexpr double rate_memory = 0.02;
+/// s, width of the mean specific force without a latency as a state: the averaging time of a receiver's velocity.
+inline constexpr double force_width = 0.025;
+/// s, width of the means of force and rate with a latency as a state. They leave out vibrations, which tell the latency within their
+/// period only: with an error of a whole period the fixes agree as well, and a filter that takes them as information may settle there,
+/// sure and wrong. Steps and swings of up to 2 Hz remain, with a delay of two widths that does not turn their sign.
+inline constexpr double latency_width = 0.05;
 
 /// Plain and copyable: a copy is a saved filter.
 template <class Frame>
@@ -86,13 +89,12 @@ struct InertialFilter {
     Eigen::Matrix3d C = Eigen::Matrix3d::Identity();                                   ///< body to frame, of nav
     ImuIncrement previous{{}, 0.0, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};  ///< corrected for the sensor errors
     Eigen::Vector3d w_ib_b = Eigen::Vector3d::Zero();      ///< corrected rate at the end of the last step, rad/s
-    Eigen::Vector3d slow_rate = Eigen::Vector3d::Zero();   ///< of the rate, exponential mean over rate_memory, rad/s, likewise
+    RecentMean mean_rate;                                  ///< of the rate, rad/s, with a lever arm and a latency
     RecentChange recent_rate;                              ///< of the rate, rad/s, with a lever arm
     RecentChange force_change;                             ///< of the specific force, frame axes, m/s^2, with a latency
     Eigen::Vector3d last_force = Eigen::Vector3d::Zero();  ///< of the last increment, likewise
     Eigen::Vector3d mean_force = Eigen::Vector3d::Zero();  ///< specific force over the last interval, frame axes, m/s^2
-    Eigen::Vector3d recent_force =
-        Eigen::Vector3d::Zero();  ///< the same as an exponential mean over force_memory, independent of the intervals
+    RecentMean recent_force;                               ///< likewise, independent of the intervals of measurements
     /// m, frame axes: by which corrections of the attitude have moved the antenna about the unit since the last propagation. The fixes
     /// give the antenna; the covariance keeps what is known of it, so that a correction of the heading is no information on it.
     Eigen::Vector3d antenna_moved = Eigen::Vector3d::Zero();

@@ -341,7 +341,7 @@ void set_out(FilterRun<Frame>& run, const InertialModel& model, const Settings& 
     if (start.at_antenna) nav.position = earth::moved_by_ned(model.earth, nav.position, nav.q_nb * -model.lever_arm_b);
     f.set_nav(Frame::from_geographic(model.earth, nav));
     f.previous = start.previous;
-    f.recent_force = start_force<Frame>(model, start);
+    f.recent_force.reset(start_force<Frame>(model, start));
     f.parameters.template segment<3>(Layout::gyro_bias) = start.gyro_bias;
     f.parameters.template segment<3>(Layout::accel_bias) = start.accel_bias;
 
