@@ -34,6 +34,29 @@ TEST(RecentChange, KnowsTheChangeOfAVibrationAtItsPeak) {
     EXPECT_NEAR(at_the_peak(20.0, 0.1, 3.0), 0.1, 0.01);
 }
 
+TEST(RecentChange, KnowsTheFrequencyOfASwingAndOfAVibration) {
+    const double dt = 0.01, psd = 1e-8;
+    for (const double frequency : {1.5, 4.0, 13.0}) {
+        const double w = 2.0 * std::numbers::pi * frequency;
+        math::Random random(6, "frequencies");
+        RecentChange recent;
+        double least = 1e9, most = 0.0;
+        Vector3d before = Vector3d::Zero();
+        for (int i = 0; i < 1000; ++i) {
+            const Vector3d rate = Vector3d(0.2, 0.1 * std::sin(w * i * dt), 0.0) +
+                                  std::sqrt(psd / dt) * Vector3d(random.normal(), random.normal(), random.normal());
+            recent.add(rate, (rate - before) / dt, dt);
+            before = rate;
+            if (i < 300) continue;
+            least = std::min(least, recent.frequency(psd, dt));
+            most = std::max(most, recent.frequency(psd, dt));
+        }
+        EXPECT_GT(least, 0.5 * frequency) << frequency;
+        EXPECT_LT(most, 1.5 * frequency + 1.5) << frequency;
+    }
+    EXPECT_EQ(RecentChange().frequency(psd, dt), std::numeric_limits<double>::infinity());
+}
+
 TEST(RecentChange, DoesNotCountTheNoise) {
     const double psd = 1e-6, dt = 0.01;
     math::Random random(4, "rates");

@@ -183,8 +183,8 @@ TEST(Latency, IsNotLearntFromAVibration) {
         f.gnss.latency = f.gnss.velocity_latency.emplace(0.11);
         f.gnss.latency_std = f.gnss.velocity_latency_std = 0.08;
         const auto [off, std] = last_of(fuse(recording, f), "gnss_velocity_latency_error");
-        EXPECT_LT(std::abs(off + 0.06), 3.0 * std) << seed << ": " << off << " +- " << std;
-        EXPECT_LT(std, 0.025) << seed;
+        EXPECT_LT(std::abs(off + 0.08), 1.5 * std) << seed << ": " << off << " +- " << std;
+        EXPECT_LT(std, 0.03) << seed;
     }
 }
 
@@ -204,7 +204,8 @@ TEST(Latency, ThatIsFoundIsTheOneAboutWhichTheFilterIsLinear) {
     EXPECT_NEAR(corrected.findings.position_latency, 0.22, 0.03);
     EXPECT_LT(std::abs(last_of(corrected, "gnss_velocity_latency_error").first), 0.01);
     EXPECT_FALSE(corrected.findings.in_force->gnss.latency_found);
-    EXPECT_EQ(corrected.findings.in_force->gnss.latency_std, 0.15);  // what the trial found is not used twice
+    EXPECT_LT(corrected.findings.in_force->gnss.latency_std, 0.1);
+    EXPECT_GE(corrected.findings.in_force->gnss.latency_std, 0.02);
     const auto told = std::ranges::find(corrected.findings.tuned, "gnss.velocity_latency_s", &TunedSetting::key);
     ASSERT_NE(told, corrected.findings.tuned.end());
     EXPECT_LT(told->sigma, 0.05);

@@ -31,12 +31,18 @@ void note(Findings& findings, const char* key, double sigma) {
     else same->sigma = sigma;
 }
 
+/// One sigma after the trial: three times that of its state, because the run uses the same fixes again.
+double wide(const Last& x) {
+    constexpr double least = 0.02;  // s: the accuracy of such fits
+    return 1e-4 * std::ceil(1e4 * std::max(least, 3.0 * x.std));
+}
+
 double to_tenth_of_ms(double s) { return 1e-4 * std::round(1e4 * s); }
 
 }  // namespace
 
 bool centre_latencies(RunData& data, Settings& settings, Start start, const FixScreen& screen, Findings& findings) {
-    constexpr double linear = 0.005, least = 0.02, longest = 600.0;  // s; least: accuracy of the fits (run_filter.cpp)
+    constexpr double linear = 0.005, longest = 600.0;  // s
     GnssSettings& g = settings.gnss;
     if (!g.latency_found || !(g.latency_std > 0.0) || settings.coupling != Coupling::Loose) return false;
     const bool own = g.velocity_latency_std > 0.0;
@@ -64,12 +70,14 @@ bool centre_latencies(RunData& data, Settings& settings, Start start, const FixS
         // a velocity without a latency of its own follows the position
         if (own || g.velocity_latency) {
             g.velocity_latency = g.velocity_latency.value_or(g.latency) + by_velocity;
-            note(findings, "gnss.velocity_latency_s", std::max(least, 2.0 * (own ? velocity : position).std));
+            note(findings, "gnss.velocity_latency_s", wide(own ? velocity : position));
         }
         if (g.velocity_down_latency) *g.velocity_down_latency += by_velocity;
         g.latency += by_position;
         if (g.height_latency) *g.height_latency += by_position;
-        note(findings, "gnss.latency_s", std::max(least, 2.0 * position.std));
+        note(findings, "gnss.latency_s", wide(position));
+        g.latency_std = std::min(g.latency_std, wide(position));
+        if (own) g.velocity_latency_std = std::min(g.velocity_latency_std, wide(velocity));
         start = with_later_fixes(start, settings.earth, by_position, by_velocity);
         WarningLog heard;
         data.events = make_events(*data.recording, settings, data.origin, heard, screen);

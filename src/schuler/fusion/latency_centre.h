@@ -8,8 +8,8 @@
 namespace schuler::fusion {
 
 /// Corrects latencies that are states and were not given (GnssSettings::latency_found) by their estimates at the end of a trial over
-/// at most ten minutes, twice if the first correction is large; `data` follows. Their sigmas remain: what the trial knows, the run
-/// finds again. Reported in `findings.tuned`. True if something was corrected: the start is then to be found again.
+/// at most ten minutes, twice if the first correction is large; `data` follows. Their sigmas become three times those of the trial
+/// if that is smaller. Reported in `findings.tuned`. True if something was corrected: the start is then to be found again.
 [[nodiscard]] bool centre_latencies(RunData& data, Settings& settings, Start start, const FixScreen& screen, Findings& findings);
 
 }  // namespace schuler::fusion

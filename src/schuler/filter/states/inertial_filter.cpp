@@ -122,7 +122,7 @@ void InertialFilter<Frame>::propagate(const InertialModel& model, const ImuIncre
         w_ib_b = (rate + 0.5 * dt * acceleration).vector();
         if (model.eccentric()) {
             recent_rate.add(rate.vector(), acceleration.vector(), dt);
-            if (model.late()) mean_rate.add(rate, dt, latency_width);
+            if (model.late()) mean_rate.add(rate, dt, latency_width(recent_rate.frequency(model.gyro_psd, dt)));
         }
     }
     if (model.late()) {
@@ -131,7 +131,8 @@ void InertialFilter<Frame>::propagate(const InertialModel& model, const ImuIncre
         last_force = force_now;
     }
     previous = inc;
-    recent_force.add(by_dt * Triple(df), dt, model.late() ? latency_width : force_width);
+    recent_force.add(by_dt * Triple(df), dt,
+                     model.late() ? latency_width(force_change.frequency(model.accel_psd, dt)) : force_width);
     double gyro_psd = model.gyro_psd + bridge.gyro_psd, accel_psd = model.accel_psd + bridge.accel_psd;
     if (model.gyro_gain > 0.0 || model.accel_gain > 0.0) {
         const BridgeNoise more = gain_noise(model, raw);

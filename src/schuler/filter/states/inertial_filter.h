@@ -18,6 +18,7 @@
 
 #include <Eigen/Core>
 
+#include <algorithm>
 #include <array>
 
 namespace schuler::filter {
@@ -71,10 +72,13 @@ struct BridgeNoise {
 
 /// s, width of the mean specific force without a latency as a state: the averaging time of a receiver's velocity.
 inline constexpr double force_width = 0.025;
-/// s, width of the means of force and rate with a latency as a state. They leave out vibrations, which tell the latency within their
-/// period only: with an error of a whole period the fixes agree as well, and a filter that takes them as information may settle there,
-/// sure and wrong. Steps and swings of up to 2 Hz remain, with a delay of two widths that does not turn their sign.
-inline constexpr double latency_width = 0.05;
+/// s, width of the means of force and rate with a latency as a state, from the frequency (Hz) of the oscillation. They leave out
+/// vibrations, which tell the latency within their period only: with an error of a whole period the fixes agree as well, and a filter
+/// that takes them as information may settle there, sure and wrong. Steps and swings remain, almost in their phase.
+[[nodiscard]] inline double latency_width(double frequency) {
+    constexpr double swing = 3.0, vibration = 6.0, least = 0.02, most = 0.05;  // Hz, Hz, s, s
+    return least + (most - least) * std::clamp((frequency - swing) / (vibration - swing), 0.0, 1.0);
+}
 
 /// Plain and copyable: a copy is a saved filter.
 template <class Frame>

@@ -8,6 +8,9 @@
 #include <Eigen/Core>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
 
 namespace schuler::filter {
 
@@ -35,7 +38,16 @@ struct RecentChange {
         return (time2 * derivative).min(2.0 * variance).max(0.0).matrix();
     }
 
-    /// The same of the vector as a whole, sum over the axes: less affected by the noise of an axis that hardly changes.
+    /// Frequency of an oscillation with this mean square and that of the derivative, over all axes and beyond the noise, Hz; infinite if
+    /// there is none. The mean over `memory` leaves slower motion out.
+    [[nodiscard]] double frequency(double psd, double dt) const {
+        const double derivative = derivative_square.sum() - 6.0 * psd / (dt * dt * dt);
+        const double variance = square.sum() - mean.squaredNorm() - 3.0 * psd / dt;
+        if (!(variance > 0.0)) return std::numeric_limits<double>::infinity();
+        return std::sqrt(std::max(0.0, derivative) / variance) / (2.0 * std::numbers::pi);
+    }
+
+    /// change_square of the vector as a whole, sum over the axes: less affected by the noise of an axis that hardly changes.
     [[nodiscard]] double total_change_square(double time2, double psd, double dt) const {
         const double derivative = derivative_square.sum() - 6.0 * psd / (dt * dt * dt);
         const double variance = square.sum() - mean.squaredNorm() - 3.0 * psd / dt;
