@@ -4,7 +4,7 @@
 #include "schuler/fusion/run_pass.h"
 #include "schuler/fusion/still.h"
 #include "schuler/fusion/timeline.h"
-#include "schuler/fusion/tune.h"
+#include "schuler/fusion/tuning/tune.h"
 #include "schuler/math/quantile.h"
 #include "schuler/math/rotation.h"
 #include "schuler/sim/simulate.h"

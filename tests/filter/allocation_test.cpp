@@ -7,7 +7,7 @@
 #include "schuler/filter/states/model.h"
 #include "schuler/fusion/still.h"
 #include "schuler/fusion/timeline.h"
-#include "schuler/fusion/tune.h"
+#include "schuler/fusion/tuning/tune.h"
 #include "schuler/math/chi_square.h"
 
 #include <gtest/gtest.h>

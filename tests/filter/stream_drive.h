@@ -8,7 +8,7 @@
 #include "schuler/fusion/start.h"
 #include "schuler/fusion/still.h"
 #include "schuler/fusion/timeline.h"
-#include "schuler/fusion/tune.h"
+#include "schuler/fusion/tuning/tune.h"
 #include "schuler/math/random.h"
 
 #include <algorithm>

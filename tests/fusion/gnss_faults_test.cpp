@@ -1,5 +1,5 @@
 // Receivers that hang, and receivers that only stand.
-#include "schuler/fusion/gnss_faults.h"
+#include "schuler/fusion/faults/gnss_faults.h"
 
 #include <gtest/gtest.h>
 

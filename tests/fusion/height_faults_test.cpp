@@ -1,5 +1,5 @@
 // A receiver's heights beside a barometer's, with the inertial unit as the witness.
-#include "schuler/fusion/height_faults.h"
+#include "schuler/fusion/faults/height_faults.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // What is seen in an inertial unit's own record.
-#include "schuler/fusion/imu_faults.h"
+#include "schuler/fusion/faults/imu_faults.h"
 
 #include <gtest/gtest.h>
 

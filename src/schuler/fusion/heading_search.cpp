@@ -1,7 +1,7 @@
 #include "schuler/fusion/heading_search.h"
 
 #include "schuler/core/units.h"
-#include "schuler/fusion/trial.h"
+#include "schuler/fusion/tuning/trial.h"
 #include "schuler/ins/align.h"
 #include "schuler/math/rotation.h"
 

@@ -1,7 +1,7 @@
 #include "schuler/fusion/mounting.h"
 
 #include "schuler/core/units.h"
-#include "schuler/fusion/trial.h"
+#include "schuler/fusion/tuning/trial.h"
 #include "schuler/math/quantile.h"
 #include "schuler/math/rotation.h"
 

@@ -3,7 +3,7 @@
 #include "schuler/earth/earth.h"
 #include "schuler/earth/ellipsoid.h"
 #include "schuler/filter/outputs.h"
-#include "schuler/fusion/trial.h"
+#include "schuler/fusion/tuning/trial.h"
 #include "schuler/gnss/sampled_ranges.h"
 #include "schuler/gnss/single_point.h"
 

@@ -3,9 +3,8 @@
 #include "schuler/core/error.h"
 #include "schuler/core/units.h"
 #include "schuler/fusion/backward.h"
-#include "schuler/fusion/height_faults.h"
+#include "schuler/fusion/faults/height_faults.h"
 #include "schuler/fusion/intermediate_run.h"
-#include "schuler/fusion/latency_centre.h"
 #include "schuler/fusion/legs.h"
 #include "schuler/fusion/mounting.h"
 #include "schuler/fusion/realignment.h"
@@ -13,7 +12,8 @@
 #include "schuler/fusion/start.h"
 #include "schuler/fusion/still.h"
 #include "schuler/fusion/timeline.h"
-#include "schuler/fusion/tune.h"
+#include "schuler/fusion/tuning/latency_centre.h"
+#include "schuler/fusion/tuning/tune.h"
 #include "schuler/math/rotation.h"
 
 #include <fmt/format.h>

@@ -4,7 +4,7 @@
 #include "schuler/filter/outputs.h"
 #include "schuler/filter/update/tape.h"
 #include "schuler/fusion/pass_collector.h"
-#include "schuler/fusion/trial.h"
+#include "schuler/fusion/tuning/trial.h"
 
 #include <algorithm>
 #include <chrono>

@@ -3,7 +3,7 @@
 #include "schuler/core/error.h"
 #include "schuler/core/units.h"
 #include "schuler/fusion/heading_search.h"
-#include "schuler/fusion/trial.h"
+#include "schuler/fusion/tuning/trial.h"
 #include "schuler/ins/align.h"
 #include "schuler/math/rotation.h"
 
@@ -220,7 +220,7 @@ void set_position(Start& start, const RunData& data, const Settings& settings) {
         // Noisy positions tell less of a slow vehicle than its kind does, but they may refute that it is slow.
         const bool fast = (moved.head<2>().array().abs() > 3.0 * (std_moved + std_velocity).head<2>().array()).any();
         for (int i = 0; i < 3; ++i)
-            if (std::isfinite(moved(i)) && (std_moved(i) < std_velocity(i) || (fast && std::isfinite(std_moved(i))))) {
+            if (std::isfinite(moved(i)) && (fast || std_moved(i) < std_velocity(i))) {
                 velocity(i) = moved(i);
                 std_velocity(i) = std_moved(i);
             }

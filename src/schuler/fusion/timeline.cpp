@@ -3,7 +3,7 @@
 #include "schuler/core/error.h"
 #include "schuler/filter/stream/event_maker.h"
 #include "schuler/filter/stream/imu_intervals.h"
-#include "schuler/fusion/imu_faults.h"
+#include "schuler/fusion/faults/imu_faults.h"
 #include "schuler/math/quantile.h"
 
 #include <fmt/format.h>

@@ -41,17 +41,24 @@ struct RecentChange {
     /// Frequency of an oscillation with this mean square and that of the derivative, over all axes and beyond the noise, Hz; infinite if
     /// there is none. The mean over `memory` leaves slower motion out.
     [[nodiscard]] double frequency(double psd, double dt) const {
-        const double derivative = derivative_square.sum() - 6.0 * psd / (dt * dt * dt);
-        const double variance = square.sum() - mean.squaredNorm() - 3.0 * psd / dt;
-        if (!(variance > 0.0)) return std::numeric_limits<double>::infinity();
-        return std::sqrt(std::max(0.0, derivative) / variance) / (2.0 * std::numbers::pi);
+        const Totals all = totals(psd, dt);
+        if (!(all.variance > 0.0)) return std::numeric_limits<double>::infinity();
+        return std::sqrt(std::max(0.0, all.derivative) / all.variance) / (2.0 * std::numbers::pi);
     }
 
     /// change_square of the vector as a whole, sum over the axes: less affected by the noise of an axis that hardly changes.
     [[nodiscard]] double total_change_square(double time2, double psd, double dt) const {
-        const double derivative = derivative_square.sum() - 6.0 * psd / (dt * dt * dt);
-        const double variance = square.sum() - mean.squaredNorm() - 3.0 * psd / dt;
-        return std::max(0.0, std::min(time2 * derivative, 2.0 * variance));
+        const Totals all = totals(psd, dt);
+        return std::max(0.0, std::min(time2 * all.derivative, 2.0 * all.variance));
+    }
+
+private:
+    /// Sums over the axes beyond the noise: mean square of the derivative, u^2/s^2, and variance, u^2.
+    struct Totals {
+        double derivative, variance;
+    };
+    [[nodiscard]] Totals totals(double psd, double dt) const {
+        return {derivative_square.sum() - 6.0 * psd / (dt * dt * dt), square.sum() - mean.squaredNorm() - 3.0 * psd / dt};
     }
 };
 

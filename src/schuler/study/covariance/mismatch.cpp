@@ -5,7 +5,7 @@
 #include "schuler/fusion/start.h"
 #include "schuler/fusion/still.h"
 #include "schuler/fusion/timeline.h"
-#include "schuler/fusion/tune.h"
+#include "schuler/fusion/tuning/tune.h"
 #include "schuler/solution/fuse.h"
 #include "schuler/study/studies.h"
 

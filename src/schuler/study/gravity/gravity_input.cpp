@@ -1,7 +1,7 @@
 #include "schuler/earth/enu.h"
 #include "schuler/fusion/run_filter.h"
 #include "schuler/fusion/timeline.h"
-#include "schuler/fusion/tune.h"
+#include "schuler/fusion/tuning/tune.h"
 #include "schuler/gravimetry/survey_run.h"
 #include "schuler/math/rotation.h"
 #include "schuler/settings/config/config.h"

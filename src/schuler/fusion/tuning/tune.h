@@ -1,7 +1,7 @@
 // Settings estimated from the data: latencies, GNSS and IMU noise, by the innovation likelihood (prediction-error method).
 #pragma once
 
-#include "schuler/fusion/gnss_faults.h"
+#include "schuler/fusion/faults/gnss_faults.h"
 #include "schuler/fusion/run_pass.h"
 
 namespace schuler::fusion {

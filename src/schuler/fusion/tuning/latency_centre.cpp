@@ -1,4 +1,4 @@
-#include "schuler/fusion/latency_centre.h"
+#include "schuler/fusion/tuning/latency_centre.h"
 
 #include "schuler/fusion/start.h"
 #include "schuler/fusion/still.h"
@@ -31,10 +31,10 @@ void note(Findings& findings, const char* key, double sigma) {
     else same->sigma = sigma;
 }
 
-/// One sigma after the trial: three times that of its state, because the run uses the same fixes again.
-double wide(const Last& x) {
-    constexpr double least = 0.02;  // s: the accuracy of such fits
-    return 1e-4 * std::ceil(1e4 * std::max(least, 3.0 * x.std));
+/// The reported sigma: that of the state, within the accuracy of such fits.
+double reported(const Last& x) {
+    constexpr double least = 0.02;  // s
+    return std::max(least, x.std);
 }
 
 double to_tenth_of_ms(double s) { return 1e-4 * std::round(1e4 * s); }
@@ -70,14 +70,12 @@ bool centre_latencies(RunData& data, Settings& settings, Start start, const FixS
         // a velocity without a latency of its own follows the position
         if (own || g.velocity_latency) {
             g.velocity_latency = g.velocity_latency.value_or(g.latency) + by_velocity;
-            note(findings, "gnss.velocity_latency_s", wide(own ? velocity : position));
+            note(findings, "gnss.velocity_latency_s", reported(own ? velocity : position));
         }
         if (g.velocity_down_latency) *g.velocity_down_latency += by_velocity;
         g.latency += by_position;
         if (g.height_latency) *g.height_latency += by_position;
-        note(findings, "gnss.latency_s", wide(position));
-        g.latency_std = std::min(g.latency_std, wide(position));
-        if (own) g.velocity_latency_std = std::min(g.velocity_latency_std, wide(velocity));
+        note(findings, "gnss.latency_s", reported(position));
         start = with_later_fixes(start, settings.earth, by_position, by_velocity);
         WarningLog heard;
         data.events = make_events(*data.recording, settings, data.origin, heard, screen);

@@ -4,7 +4,7 @@
 #include "schuler/core/log.h"
 #include "schuler/core/samples.h"
 #include "schuler/filter/update/timeline.h"
-#include "schuler/fusion/gnss_faults.h"
+#include "schuler/fusion/faults/gnss_faults.h"
 #include "schuler/fusion/settings.h"
 
 #include <vector>

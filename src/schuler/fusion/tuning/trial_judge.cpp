@@ -1,9 +1,9 @@
-#include "schuler/fusion/trial_judge.h"
+#include "schuler/fusion/tuning/trial_judge.h"
 
 #include "schuler/fusion/start.h"
 #include "schuler/fusion/timeline.h"
-#include "schuler/fusion/trial.h"
-#include "schuler/fusion/tune.h"
+#include "schuler/fusion/tuning/trial.h"
+#include "schuler/fusion/tuning/tune.h"
 #include "schuler/math/quantile.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "schuler/fusion/gnss_faults.h"
+#include "schuler/fusion/faults/gnss_faults.h"
 
 #include "schuler/math/quantile.h"
 

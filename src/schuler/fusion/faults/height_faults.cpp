@@ -1,4 +1,4 @@
-#include "schuler/fusion/height_faults.h"
+#include "schuler/fusion/faults/height_faults.h"
 
 #include "schuler/earth/gravity.h"
 #include "schuler/math/quantile.h"

@@ -1,4 +1,4 @@
-#include "schuler/fusion/imu_faults.h"
+#include "schuler/fusion/faults/imu_faults.h"
 
 #include "schuler/math/quantile.h"
 

@@ -1,7 +1,7 @@
 // Evaluation of the trials that determine noise and latencies.
 #pragma once
 
-#include "schuler/fusion/gnss_faults.h"
+#include "schuler/fusion/faults/gnss_faults.h"
 #include "schuler/fusion/run_pass.h"
 
 #include <cstddef>

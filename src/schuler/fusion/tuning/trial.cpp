@@ -1,4 +1,4 @@
-#include "schuler/fusion/trial.h"
+#include "schuler/fusion/tuning/trial.h"
 
 #include <algorithm>
 

@@ -1,11 +1,11 @@
-#include "schuler/fusion/tune.h"
+#include "schuler/fusion/tuning/tune.h"
 
 #include "schuler/core/units.h"
 #include "schuler/filter/stream/fix_noise.h"
 #include "schuler/filter/update/vibration.h"
 #include "schuler/fusion/timeline.h"
-#include "schuler/fusion/trial.h"
-#include "schuler/fusion/trial_judge.h"
+#include "schuler/fusion/tuning/trial.h"
+#include "schuler/fusion/tuning/trial_judge.h"
 #include "schuler/math/quantile.h"
 
 #include <fmt/format.h>
