@@ -79,6 +79,13 @@ TEST_F(DatasetTest, LoadsAndSettlesTimes) {
     EXPECT_DOUBLE_EQ(d.config.filter.outages[1].start, 4.0);
 }
 
+TEST_F(DatasetTest, OnlyLatenciesThatWereNotGivenAreFound) {
+    write_logs();
+    EXPECT_TRUE(load(plain).config.filter.gnss.latency_found);
+    for (const char* key : {"latency_s", "velocity_latency_s", "height_latency_s", "velocity_down_latency_s"})
+        EXPECT_FALSE(load(fmt::format("{}{} = 0.1\n", plain, key)).config.filter.gnss.latency_found) << key;
+}
+
 TEST_F(DatasetTest, HeightsAboveSeaLevel) {
     write_logs();
     const LoadedDataset with = load(std::string(plain) + "height = \"msl\"\nundulation_m = 47.5\n");

@@ -76,8 +76,6 @@ void fuse_and_evaluate(ResultBundle& bundle, WarningLog& warnings, double output
         settings.covariance_rate = settings.output_rate;
         settings.output_rate = output_rate;
         settings.state_rows = !bundle.truth.sensors.empty();
-        settings.gnss.latency_found = std::ranges::none_of(
-            bundle.data.given, [](const std::string& key) { return key.starts_with("gnss.") && key.ends_with("latency_s"); });
         std::optional<scenario::SimulatedReceiver> receiver;
         using fusion::Coupling;
         if (bundle.sky && settings.coupling == Coupling::Deep) receiver.emplace(*bundle.sky, receiver::Guidance::Generators);

@@ -185,6 +185,8 @@ LoadedDataset load_dataset(const settings::Dataset& dataset, const settings::Con
     out.config = config;
     out.given = dataset.given;
     out.facts = dataset.facts;
+    out.config.filter.gnss.latency_found = std::ranges::none_of(
+        out.given, [](const std::string& key) { return key.starts_with("gnss.") && key.ends_with("latency_s"); });
     assume_aid_errors(out.config);
     dataset::ReadFiles files = dataset::read_files(dataset.folder, out.config, reading_of(out.config), warnings);
     take_stated(files, out.config);
