@@ -137,6 +137,22 @@ TEST(Given, DataThatContradictALatencySaySoWithBothValues) {
     EXPECT_NEAR(std::get<double>(sigma->value), 0.08, 0.03);
 }
 
+// A vertical velocity that comes and goes with the springs fits as well a period later.
+TEST(Given, APeriodOfABobbingBodyIsNoLatency) {
+    CarLog car;
+    car.bob_frequency = 2.08;
+    car.bob_speed = 0.15;
+    car.down_latency = 1.0 / car.bob_frequency;
+    const fs::path folder = fresh_folder("given_bobbing");
+    write_car(folder, car);
+    Given given = named(folder);
+    const InspectReport bare = inspect(folder, given);
+    EXPECT_EQ(fact(bare, "gnss.velocity_down_latency_s"), nullptr);
+    given.keys.insert("gnss.velocity_down_latency_s");
+    given.velocity_down_latency = 0.0;
+    EXPECT_TRUE(inspect(folder, given).contradictions.empty());
+}
+
 /// The car's gyros have biases of 0.1 deg/s.
 TEST(Given, AGradeWhoseBiasesCannotBeIsRefutedAndALoudLogMeasured) {
     const fs::path folder = turned_car("given_grade");

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 namespace schuler::inspect::detail {
 namespace {
@@ -47,6 +48,35 @@ TEST(Agreement, FindsTheVertexOfParabolasAndTheirDisagreement) {
     EXPECT_TRUE(a.found);
     EXPECT_NEAR(a.at, 0.13, 1e-12);
     EXPECT_NEAR(a.sigma, std::sqrt((2 * 0.03 * 0.03 + 2 * 0.01 * 0.01) / 12.0), 1e-12);
+}
+
+// Squares of a - cos: the residual of an oscillation of a period of 0.5 s, lowest at 0.5 s by its noise, or by its damping.
+TEST(Agreement, OfAPeriodicMotionAPeriodAwayIsARivalUnlessTheDataTellThem) {
+    for (const double damping : {0.01, 1.0}) {  // per second away from 0.5 s
+        std::vector<std::vector<double>> curves;
+        for (int window = 0; window < 6; ++window) {
+            std::vector<double> curve;
+            for (int i = 0; i < 91; ++i) {
+                const double t = -0.48 + 0.02 * i;
+                curve.push_back(30.0 + 20.0 * damping * std::abs(t - 0.5) - 20.0 * std::cos(4.0 * std::numbers::pi * t));
+            }
+            curves.push_back(curve);
+        }
+        const Agreement a = agree(-0.48, 0.02, curves);
+        EXPECT_TRUE(a.found);
+        EXPECT_NEAR(a.at, 0.5, 0.01);
+        EXPECT_NEAR(a.nearest_to(0.05), damping < 0.1 ? 0.0 : 0.5, 0.01) << damping;
+        EXPECT_NEAR(a.nearest_to(0.9), damping < 0.1 ? 1.0 : 0.5, 0.01) << damping;
+    }
+}
+
+TEST(Agreement, OfScatteredCurvesHasARivalThatWithoutScatterIsNone) {
+    for (const double scatter : {0.0, 4.0}) {
+        std::vector<std::vector<double>> curves;
+        for (const double side : {-1.0, 1.0, -1.0, 1.0, -1.0, 1.0})
+            curves.push_back({30.0, 12.0 + side * scatter, 30.0, 30.0, 10.0, 30.0});
+        EXPECT_EQ(agree(0.0, 0.1, curves).rivals.size(), scatter > 0.0 ? 1u : 0u) << scatter;
+    }
 }
 
 TEST(Agreement, AMinimumAtTheEdgeIsNotFound) {

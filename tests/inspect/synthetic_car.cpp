@@ -9,6 +9,7 @@
 
 #include <cstdio>
 #include <fstream>
+#include <numbers>
 #include <random>
 #include <system_error>
 #include <vector>
@@ -65,6 +66,9 @@ void write_car(const std::filesystem::path& folder, const CarLog& car) {
     std::mt19937 random(7);
     std::normal_distribution<double> normal;
     const auto noise = [&](double sigma) { return Eigen::Vector3d(sigma * schuler::test::draw3(normal, random)); };
+    const double bob_rate = 2.0 * std::numbers::pi * car.bob_frequency;
+    const auto bob = [&](double t) { return car.bob_speed * gate(t) * std::sin(bob_rate * t); };
+    const auto bob_accel = [&](double t) { return Eigen::Vector3d(0, 0, (bob(t + 1e-4) - bob(t - 1e-4)) / 2e-4); };
     char line[512];
     const char* s = car.separator.c_str();
 
@@ -74,7 +78,7 @@ void write_car(const std::filesystem::path& folder, const CarLog& car) {
     for (int i = 0; i * dt < car.duration; ++i) {
         const double t = i * dt;
         const double mid = car.increments ? t - 0.5 * dt : t, scale = car.increments ? dt : 1.0;
-        const Eigen::Vector3d f_b = C_nb(mid).transpose() * (acceleration(mid) - Eigen::Vector3d(0, 0, gravity));
+        const Eigen::Vector3d f_b = C_nb(mid).transpose() * (acceleration(mid) + bob_accel(mid) - Eigen::Vector3d(0, 0, gravity));
         const Eigen::Vector3d w = scale * car.gyro_factor * (car.C_sb * rate_b(mid) + car.gyro_bias + noise(0.002));
         const Eigen::Vector3d f = scale * car.accel_factor * (car.C_sb * f_b + car.accel_bias + noise(0.03));
         std::snprintf(line, sizeof line, "%.6f%s%.9g%s%.9g%s%.9g%s%.9g%s%.9g%s%.9g\n", (car.imu_start + t) * car.time_factor, s,
@@ -87,7 +91,9 @@ void write_car(const std::filesystem::path& folder, const CarLog& car) {
     for (int k = 0; k / car.gnss_rate < car.duration; ++k) {
         const double t = k / car.gnss_rate;
         const Eigen::Vector3d p = position.at(t - car.position_latency) + noise(car.position_noise);
-        const Eigen::Vector3d v = velocity(t - car.velocity_latency) + noise(0.03);
+        const double valid = t - car.velocity_latency, down = valid - car.down_latency;
+        const Eigen::Vector3d v =
+            Eigen::Vector3d(velocity(valid).x(), velocity(valid).y(), velocity(down).z() + bob(down)) + noise(0.03);
         const double lat = 45.0 + p.x() / 6367382.0 / deg, lon = 7.0 + p.y() / (6388838.0 * std::cos(45.0 * deg)) / deg;
         int n = std::snprintf(line, sizeof line, "%.6f%s%.11g%s%.11g%s%.4f", (car.gnss_start + t) * car.time_factor, s,
                               lat * car.angle_factor, s, lon * car.angle_factor, s, 300.0 - p.z());

@@ -14,6 +14,8 @@ struct CarLog {
     double imu_rate = 100.0, gnss_rate = 5.0;
     Eigen::Matrix3d C_sb = Eigen::Matrix3d::Identity();     // body (forward-right-down) to sensor
     double position_latency = 0.0, velocity_latency = 0.0;  // s, older than the stamp
+    double down_latency = 0.0;                              // s, of the vertical velocity beyond that of the horizontal one
+    double bob_frequency = 0.0, bob_speed = 0.0;            // Hz, m/s: up and down while it moves
     double imu_start = 1000.0, gnss_start = 1000.0;         // s, the numbers of the files' first epochs (same instant)
     double time_factor = 1.0;                               // written time = seconds * factor
     double gyro_factor = 1.0, accel_factor = 1.0;           // written = SI * factor

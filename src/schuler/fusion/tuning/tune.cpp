@@ -397,11 +397,12 @@ void tune(RunData& data, Settings& settings, const Start& start, const FixScreen
             sigma("gnss.velocity_latency_s") = std::hypot(sigma("gnss.velocity_latency_s"), sigma("gnss.latency_s"));
         }
         if (has_velocity && !before.gnss.velocity_down_latency) {
-            const double down =
-                settings.gnss.velocity_down_latency.value_or(settings.gnss.velocity_latency.value_or(settings.gnss.latency));
-            search(
-                "gnss.velocity_down_latency_s", false, [](Settings& s, double x) { s.gnss.velocity_down_latency = x; },
-                down - 0.2, down + 0.2, 5, 3, false);
+            // A receiver delays the vertical velocity by little more than the horizontal: farther off, another period fits.
+            constexpr double apart_most = 0.25;  // s
+            const double horizontal = settings.gnss.velocity_latency.value_or(settings.gnss.latency),
+                         down = settings.gnss.velocity_down_latency.value_or(horizontal);
+            search("gnss.velocity_down_latency_s", false, [](Settings& s, double x) { s.gnss.velocity_down_latency = x; },
+                   down - 0.2, down + 0.2, 5, 3, false, -1e3, 1e3, {horizontal, apart_most});
         }
     }
     const Settings fitted = settings;

@@ -20,9 +20,10 @@ struct Age {
 // Errors not covered by the jackknife: interpolation, filtering in the receiver and in the IMU.
 constexpr double floor_sigma = 0.015, floor_sigma_down = 0.04;
 
-std::optional<Age> age_of(const Agreement& a, double least_contrast, double floor, const char* from) {
+/// Steps, waves and vibrations repeat: of several ages that fit alike, the one nearest to `expected`.
+std::optional<Age> age_of(const Agreement& a, double expected, double least_contrast, double floor, const char* from) {
     if (!a.found || a.contrast < least_contrast || a.sigma > 0.1) return std::nullopt;
-    return Age{a.at, std::hypot(a.sigma, floor), from};
+    return Age{a.nearest_to(expected), std::hypot(a.sigma, floor), from};
 }
 
 std::optional<Age> better(const std::optional<Age>& a, const std::optional<Age>& b) {
@@ -47,20 +48,25 @@ struct Ages {
 };
 
 Ages measured(const Study& study) {
+    constexpr double typical = 0.1;  // s, of receivers
     Ages ages;
     const std::optional<Age> v =
-        age_of(study.velocity_fit.horizontal, 0.2, std::hypot(floor_sigma, lag_by_gain(study.velocity_fit)),
-               "fit of the IMU to the velocity");
+        age_of(study.velocity_fit.horizontal, study.velocity_age + typical, 0.2,
+               std::hypot(floor_sigma, lag_by_gain(study.velocity_fit)), "fit of the IMU to the velocity");
     const std::optional<Age> p =
-        age_of(study.position_fit.horizontal, 0.2, std::hypot(floor_sigma, lag_by_gain(study.position_fit)),
-               "fit of the IMU to the displacement");
-    ages.relative = age_of(study.velocity_behind_position, 0.2, 0.005, "displacement against velocity");
-    ages.relative_down = age_of(study.down_velocity_behind_height, 0.2, floor_sigma, "height change against vertical velocity");
+        age_of(study.position_fit.horizontal, study.position_age + typical, 0.2,
+               std::hypot(floor_sigma, lag_by_gain(study.position_fit)), "fit of the IMU to the displacement");
+    const double behind = study.velocity_age - study.position_age;
+    ages.relative = age_of(study.velocity_behind_position, behind, 0.2, 0.005, "displacement against velocity");
+    ages.relative_down =
+        age_of(study.down_velocity_behind_height, behind, 0.2, floor_sigma, "height change against vertical velocity");
     ages.position = better(p, sum(v, ages.relative, -1.0, "velocity against IMU and position"));
     ages.velocity = better(v, sum(p, ages.relative, 1.0, "position against IMU and velocity"));
     if (study.gnss.has_height)
-        ages.height = age_of(study.position_fit.down, 0.3, floor_sigma_down, "fit of the IMU to height changes");
-    ages.velocity_down = age_of(study.velocity_fit.down, 0.3, floor_sigma_down, "fit of the IMU to the vertical velocity");
+        ages.height = age_of(study.position_fit.down, ages.position ? ages.position->value : study.position_age + typical, 0.3,
+                             floor_sigma_down, "fit of the IMU to height changes");
+    ages.velocity_down = age_of(study.velocity_fit.down, ages.velocity ? ages.velocity->value : study.velocity_age + typical, 0.3,
+                                floor_sigma_down, "fit of the IMU to the vertical velocity");
     return ages;
 }
 

@@ -31,6 +31,10 @@ struct Agreement {
     double contrast = 0.0;  ///< (mean of the curve - its minimum) / minimum: depth of the minimum
     int stretches = 0;
     bool found = false;
+    std::vector<double> rivals;  ///< further minima, hardly higher: of a periodic motion, a period away
+
+    /// This minimum or the rival that is nearest to `expected`.
+    [[nodiscard]] double nearest_to(double expected) const;
 };
 [[nodiscard]] Agreement agree(double first, double step, const std::vector<std::vector<double>>& curves);
 
