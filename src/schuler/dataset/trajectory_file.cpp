@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 namespace schuler::dataset {
 
@@ -46,9 +47,12 @@ std::vector<SolutionRow> rows_of(const std::vector<ReferenceSample>& samples) {
     return rows;
 }
 
-bool has_sigmas(const io::TextInput& input) {
+/// A solution as Schuler writes it: other tables have sigmas too, but their columns are recognised, not named.
+bool is_solution(const io::TextInput& input) {
     const io::TableLayout layout = io::inspect_table(input);
-    return std::ranges::find(layout.names, "std_n_m") != layout.names.end();
+    return std::ranges::all_of(std::array{"time_s", "lat_deg", "lon_deg", "height_m", "std_n_m"}, [&](const char* name) {
+        return std::ranges::find(layout.names, name) != layout.names.end();
+    });
 }
 
 /// The stream of a log that is a trajectory: the named one, a solution or a reference with positions, else the fixes.
@@ -78,7 +82,7 @@ std::vector<SolutionRow> read_stream_rows(const io::StreamPath& where, const io:
     const std::string text = io::table_text(stream, io::Clock::Boot);  // as columns of a solution
     const io::TextInput table = io::TextInput::memory(text, where.file.string() + "#" + stream.name);
     if (stream.kind == io::TableKind::Gnss) return rows_of(io::read_gnss_csv(table, {}, warnings).fixes);
-    if (has_sigmas(table)) return io::read_solution_csv(table, warnings);
+    if (is_solution(table)) return io::read_solution_csv(table, warnings);
     return rows_of(read_reference(table, {}, warnings));
 }
 
@@ -90,7 +94,7 @@ std::vector<SolutionRow> read_rows(const fs::path& file, WarningLog& warnings) {
     const io::TextInput input(file);
     if (io::is_rtklib_pos(input)) return rows_of(io::read_rtklib_pos(input, warnings).fixes);
     if (io::is_nmea(input)) return rows_of(io::read_nmea(input, warnings).fixes);
-    if (has_sigmas(input)) return io::read_solution_csv(input, warnings);
+    if (is_solution(input)) return io::read_solution_csv(input, warnings);
     return rows_of(read_reference(input, {}, warnings));
 }
 

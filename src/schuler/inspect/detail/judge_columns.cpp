@@ -137,6 +137,7 @@ bool judge_gyro_signs(Study& study) {
     const Trial* best = nullptr;
     for (const Trial& t : trials)
         if (t.fit.rms < 1.15 * lowest && (best == nullptr || t.sign.sum() > best->sign.sum())) best = &t;
+    if (best == nullptr) return false;  // no fit has a finite residual
     constexpr double clearly = 0.5;
     if (!shows_lag(best->fit) || best->fit.rms > (turns_against ? 0.9 : clearly) * fit.rms ||
         best->fit.rms > clearly * best->fit.motion)

@@ -69,6 +69,29 @@ bool could_be_rates(const std::vector<std::vector<double>>& c, double step, bool
     return true;
 }
 
+/// Share of the columns from `first` on that scatter from row to row as sensors do. Positions, velocities and angles of a trajectory change
+/// steadily: within a window their successive differences are small against their deviations from the mean (von Neumann's ratio).
+bool scatters(const std::vector<std::vector<double>>& c, std::size_t first) {
+    constexpr std::size_t window = 10;
+    constexpr double steady = 0.25;  // 1 for white noise, 0.06 for a straight line
+    std::size_t noisy = 0, varying = 0;
+    for (std::size_t k = first; k < first + 6; ++k) {
+        double differences = 0.0, deviations = 0.0;
+        for (std::size_t i = 0; i + window <= c[k].size(); i += window) {
+            double mean = 0.0;
+            for (std::size_t j = i; j < i + window; ++j) mean += c[k][j] / static_cast<double>(window);
+            for (std::size_t j = i; j < i + window; ++j) {
+                deviations += std::pow(c[k][j] - mean, 2);
+                if (j > i) differences += std::pow(c[k][j] - c[k][j - 1], 2);
+            }
+        }
+        if (!(deviations > 0.0)) continue;
+        ++varying;
+        noisy += differences > 2.0 * steady * deviations ? 1 : 0;
+    }
+    return 2 * noisy >= varying && noisy > 0;
+}
+
 void name_columns(LoadedFile& file, std::initializer_list<const char*> names) {
     int column = 0;
     for (const char* name : names) {
@@ -116,6 +139,7 @@ bool recognise_without_header(LoadedFile& file, const io::TableLayout& layout) {
         const bool increments = std::abs(norm / step / 9.8 - 1.0) < 0.3 && std::abs(norm / 9.8 - 1.0) > 0.5;
         if (!increments && std::abs(norm / 9.8 - 1.0) > 0.3) return false;
         if (!could_be_rates(c, step, increments) || quantile(norms, 0.9) > 4.0 * norm) return false;
+        if (!increments && !scatters(c, 1)) return false;  // a trajectory at the height of gravity
         file.report.kind = increments ? "kfgins_imu" : "imu";
         file.table = io::TableKind::Imu;
         file.plan.kind = io::TableKind::Imu;

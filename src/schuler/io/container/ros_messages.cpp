@@ -2,6 +2,7 @@
 
 #include "schuler/core/samples.h"
 #include "schuler/core/units.h"
+#include "schuler/io/container/detail/ros_imu.h"
 #include "schuler/io/container/detail/ros_velocities.h"
 #include "schuler/io/detail/little_endian.h"
 
@@ -178,7 +179,7 @@ void add_gps_fix(Stream& s, Reader& r, std::int64_t t) {
                                    : FixType::Differential);
 }
 
-/// False if the message contains no measurement.
+/// False if the message contains no measurement, or only a part of them: of an Imu the others are NaN.
 bool add_row(Stream& s, Type type, Reader& r, std::int64_t logged) {
     const std::int64_t stamp = r.header();
     const std::int64_t t = stamp > 0 ? stamp : logged;
@@ -187,8 +188,11 @@ bool add_row(Stream& s, Type type, Reader& r, std::int64_t logged) {
         const auto w = r.doubles<3>();
         const bool rates = is_measured(r.doubles<9>());
         const auto f = r.doubles<3>();
-        if (!rates || !is_measured(r.doubles<9>())) return false;
-        s.add(t, {w[0], w[1], w[2], f[0], f[1], f[2]});
+        const bool forces = is_measured(r.doubles<9>());
+        if (!rates && !forces) return false;
+        const double w1 = rates ? 1.0 : not_given, f1 = forces ? 1.0 : not_given;
+        s.add(t, {w1 * w[0], w1 * w[1], w1 * w[2], f1 * f[0], f1 * f[1], f1 * f[2]});
+        return rates && forces;
     } else if (type == Type::Fix) {
         const int status = r.number<std::int8_t>();
         (void)r.number<std::uint16_t>();
@@ -248,10 +252,14 @@ void RosMessages::add(const std::string& topic, const std::string& type_name, Ro
 
 void RosMessages::finish(StreamLog& log, const std::string& file, WarningLog& warnings) {
     log.clock = Clock::Unix;
-    for (const auto& [topic, count] : not_measured_)
+    detail::complete_imus(streams_, file, warnings);
+    for (const auto& [topic, count] : not_measured_) {
+        const auto rest = streams_.find(topic);
+        if (rest == streams_.end() || rest->second.source != topic) continue;  // a half of a unit, joined or told
         warnings.add(file + " ros.not_measured " + topic,
                      fmt::format("{}: {}: messages whose covariance of -1 marks a part as not measured: skipped", file, topic),
                      count);
+    }
     for (auto& [topic, stream] : streams_) {
         if (stream.name == detail::ros_twist) continue;
         if (stream.kind == TableKind::Gnss && stream.rows() > 0) {

@@ -211,7 +211,7 @@ const std::vector<Quantity> gnss =
              {"std_d_m", D::Length,
               "std_d sdd sd_d sigma_d d_std std_down down_std std_u sdu sd_u sigma_u u_std std_up std_h std_height std_alt "
               "height_std alt_std sigma_h sigma_height sdh v_acc vacc vertical_accuracy std_vertical std_ver epv"},
-             {"std_h_m", D::Length, "std_horizontal std_hor h_acc hacc horizontal_accuracy eph"},
+             {"std_h_m", D::Length, "std_h std_horizontal std_hor h_acc hacc horizontal_accuracy eph"},
              {"std_vn_m_s", D::Velocity, "std_vn sdvn std_vel_n sd_vn sigma_vn vel_n_std vn_std std_vnorth std_vel_north"},
              {"std_ve_m_s", D::Velocity, "std_ve sdve std_vel_e sd_ve sigma_ve vel_e_std ve_std std_veast std_vel_east"},
              {"std_vd_m_s", D::Velocity,

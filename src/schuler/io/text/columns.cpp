@@ -330,6 +330,16 @@ static void find_degrees_minutes(ColumnPlan& plan, const TableLayout& layout, co
     }
 }
 
+/// `std_h` is the vertical sigma beside those of north and east, and the horizontal one without them.
+static void settle_std_h(std::vector<Candidate>& found) {
+    const auto of = [&](std::string_view canonical) {
+        return std::ranges::find(found, canonical, [](const Candidate& c) { return std::string_view(c.match.canonical); });
+    };
+    const auto horizontal = of("std_h_m"), vertical = of("std_d_m");
+    if (horizontal == found.end() || vertical == found.end() || horizontal->match.column != vertical->match.column) return;
+    found.erase(of("std_n_m") != found.end() ? horizontal : vertical);
+}
+
 ColumnPlan match_columns(const TableLayout& layout, TableKind kind, const ColumnOverrides& overrides) {
     ColumnPlan plan;
     plan.kind = kind;
@@ -353,6 +363,7 @@ ColumnPlan match_columns(const TableLayout& layout, TableKind kind, const Column
         if (have == found.end()) found.push_back(std::move(*best));
         else if (best->better_than(*have)) *have = std::move(*best);
     }
+    settle_std_h(found);
     for (Candidate& c : found) plan.matches.push_back(std::move(c.match));
     apply_scale(plan, layout, overrides);
     for (ColumnMatch& match : plan.matches) {
