@@ -1,6 +1,7 @@
 // Steps of page_test.mjs that need no run of the others: several data sets together, notes, removal, comparisons of couplings and of
 // attitude, carrier phase, a server that ends and is started anew.
 import { execFileSync, spawn } from "node:child_process";
+import { once } from "node:events";
 import { createServer } from "node:net";
 import { cpSync, existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -311,6 +312,44 @@ const freePort = () =>
     });
   });
 
+/** What a receiver says about its satellites, at the port of `schuler live`. */
+async function sky({ check, soon, accessible, options }, tab, port) {
+  const readers = new Set();
+  const receiver = createServer((s) => (readers.add(s), s.on("error", () => undefined)));
+  await new Promise((done) => receiver.listen(port, "127.0.0.1", done));
+  const tell = (satellites) => readers.forEach((s) => s.write(JSON.stringify({ type: "satellites", time_s: 1, satellites }) + "\n"));
+  const seen = (name, elevation_deg, azimuth_deg, cn0_db_hz, used) => ({ name, elevation_deg, azimuth_deg, cn0_db_hz, used });
+  const card = tab.locator(".live-sky");
+  try {
+    check(!(await card.isVisible()), "no satellites without messages of them");
+    await tab.locator(".live-link", { hasText: "Messages of" }).waitFor();
+    tell([seen("G05", 30, 120, 44, true), seen("R06", 80, 300, 39, true), seen("E11", 5, 359, null, false), seen("S23", null, null, 20, false), 7, {}]);
+    await card.getByText("2 used of 4 in view").waitFor();
+    check((await card.locator(".sky-name").allTextContents()).join() === "G05,R06,E11", "those whose place is known stand in the sky");
+    check((await card.locator(".sky-now.status-0").count()) === 2, "two of them are used");
+    const rows = await card.locator("tbody tr").allInnerTexts();
+    check(rows.length === 4 && /^G05\s+44\s+30\s+120\s+yes$/.test(rows[0]) && /^S23\s+20\s+–\s+–\s+no$/.test(rows[3]), `the list: ${rows}`);
+    check((await tab.evaluate(() => document.documentElement.scrollWidth - innerWidth)) <= 1, "satellites: wider than a phone");
+    await accessible("satellites, live", tab);
+    for (const [name, width, height] of [["ui-live-sky-390", 390, 844], ["ui-live-sky", 1440, 900]]) {
+      await tab.setViewportSize({ width, height });
+      await tab.waitForTimeout(300);
+      if (options.shots) await card.screenshot({ path: join(options.shots, `${name}.png`) });
+    }
+    tell([seen("G07", 10, 10, 30, false)]);
+    check(await soon(async () => (await card.locator(".sky-name").allTextContents()).join() === "G07"), "the next message replaces them");
+    const said = () => card.locator("p").first().innerText();
+    await tab.evaluate(() => {
+      const now = Date.now;
+      Date.now = () => now() + 12_000;
+    });
+    check(await soon(async () => /No message about satellites/.test(await said())), `a receiver that falls silent is told: ${await said()}`);
+  } finally {
+    readers.forEach((s) => s.destroy());
+    receiver.close();
+  }
+}
+
 /** A drive replayed to `schuler live`, whose messages the page shows: nothing yet, navigation, the end. */
 async function live(t) {
   const { page, check, options, accessible } = t;
@@ -366,7 +405,9 @@ async function live(t) {
     if (options.shots) await tab.screenshot({ path: join(options.shots, "ui-live-390.png"), fullPage: true });
     await accessible("live", tab);
     navigator.kill("SIGTERM");
+    await once(navigator, "exit");
     await tab.locator(".live-link", { hasText: "No connection" }).waitFor();
+    await sky(t, tab, messages);
     check(complaints.length === 0, `live: ${complaints}`);
   } finally {
     await tab.close();
