@@ -304,6 +304,49 @@ async function papers(t) {
   await page.getByText("Schuler period").first().waitFor();
 }
 
+/** A recording of signals is made, and its satellites are tracked by another run; the receiver of a scenario has its fields. */
+async function receiver(t) {
+  const { page, address, ask, check, soon, done, accessible, tabs, options } = t;
+  await page.goto(`${address}#/studies/${encodeURIComponent("receiver track")}`);
+  const compute = page.getByRole("button", { name: /Compute/ });
+  await page.locator(".studies .form").waitFor();
+  check((await compute.isDisabled()) && /no recording/.test(await page.locator(".studies .note").innerText()), "nothing is tracked where nothing is recorded, and the reason is told");
+  await page.goto(`${address}#/studies/${encodeURIComponent("receiver generate")}`);
+  await page.getByLabel("sample rate", { exact: true }).waitFor();
+  check((await page.getByLabel("file", { exact: true }).count()) === 0, "the file is the run's own");
+  await page.getByLabel("length, s", { exact: true }).fill("1e5");
+  check(await compute.isDisabled(), "an hour at most");
+  await page.getByLabel("length, s", { exact: true }).fill("3600");
+  await compute.click();
+  await page.getByText(/more than 2048 MB/).waitFor();
+  await page.getByLabel("length, s", { exact: true }).fill("4");
+  await page.getByLabel("sample rate", { exact: true }).fill("2.5e6");
+  await page.getByLabel("satellites", { exact: true }).fill("G07:45:1200:300.5, G12:48:-3300");
+  await page.getByLabel("Name", { exact: true }).fill("Sky");
+  await compute.click();
+  const made = await done();
+  const { files, summary } = await ask(`api/runs/${made}`);
+  check(files.includes("recording.ibyte") && summary.sample_rate_hz === 2.5e6, `recorded: ${files} ${JSON.stringify(summary)}`);
+  await page.getByRole("link", { name: "Track this recording" }).click();
+  await page.locator(".studies .form").waitFor();
+  check(await soon(async () => (await page.getByLabel("sample rate", { exact: true }).inputValue()) === "2500000"), "the recording says how it was sampled");
+  check((await page.getByLabel("Recording", { exact: true }).locator("option:checked").innerText()) === "Sky", "and is chosen");
+  await page.getByLabel("sample rate", { exact: true }).fill("");
+  check((await compute.isDisabled()) && /sample rate is missing/.test(await page.locator(".studies .note").innerText()), "without a rate nothing is tracked");
+  await page.getByLabel("sample rate", { exact: true }).fill("2.5e6");
+  await accessible("receiver");
+  if (options.shots) await page.screenshot({ path: join(options.shots, "ui-receiver.png") });
+  await compute.click();
+  const tracked = await done();
+  const found = (await ask(`api/runs/${tracked}`)).summary.satellites.filter((s) => s.found).map((s) => s.satellite);
+  check(found.join() === "G07,G12", `satellites of the recording: ${found}`);
+  await tabs("tracking", tracked);
+  await page.goto(`${address}#/scenario?example=jamming`);
+  await page.getByText(/km, up to/).waitFor();
+  await page.locator("summary", { hasText: "Receiver at signal level" }).click();
+  check((await page.locator("#option-receiver-rate_hz").inputValue()) !== "" && (await page.locator("#option-receiver-jammer").isVisible()), "the receiver of a scenario has its fields");
+}
+
 const freePort = () =>
   new Promise((found) => {
     const s = createServer().listen(0, "127.0.0.1", () => {
@@ -418,7 +461,7 @@ async function live(t) {
 }
 
 export async function work(t) {
-  const steps = [frame, batch, comparisons, carrier, papers, tiles, live, restart];
+  const steps = [frame, batch, comparisons, carrier, papers, receiver, tiles, live, restart];
   for (const step of steps.filter((s) => !t.options.steps || t.options.steps.includes(s.name)))
     try {
       await step(t);
