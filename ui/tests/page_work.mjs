@@ -207,6 +207,50 @@ function pixel(...rgb) {
   return Buffer.concat([Buffer.from("89504e470d0a1a0a", "hex"), chunk("IHDR", head), chunk("IDAT", deflateSync(Buffer.from([0, ...rgb]))), chunk("IEND", Buffer.alloc(0))]);
 }
 
+/** Lines of latitude and longitude lie under a track, at round steps and where a table of the ellipsoid has them. */
+async function graticule(t) {
+  const { page, address, ask, check, soon, options } = t;
+  const { id } = await ask("api/runs", "POST", { kind: "scenario", title: "Lines", toml: drive(6) });
+  await ended(t, [id]);
+  await page.goto(`${address}#/run/${id}/overview`);
+  await page.locator(".plan-canvas").waitFor();
+  const drawn = (scale) =>
+    page.evaluate((scale) => {
+      const { plan } = document.querySelector("figure.plan");
+      plan.centre = { east: 0, north: 0 };
+      plan.scale = scale;
+      plan.fitted = true;
+      plan.draw();
+      return plan.lines;
+    }, scale);
+  check(await soon(async () => /″/.test((await drawn(1)).parallels[0]?.label ?? "")), "lines of degrees");
+  const { parallels, meridians } = await drawn(1);
+  const line = (all, label) => all.find((l) => l.label === label)?.at ?? NaN;
+  const near = (x, y, by) => Math.abs(x - y) < by;
+  // the drive begins at 50 deg north, 8 deg east; there a degree has 111 229 m northward and 71 696 m eastward
+  check(near(line(parallels, "50°00′00″N"), 0, 3) && near(line(meridians, "8°00′00″E"), 0, 3), `the start lies on them: ${JSON.stringify([parallels, meridians])}`);
+  check(near(line(parallels, "50°00′05″N") - line(parallels, "49°59′55″N"), (2 * 5 * 111229) / 3600, 0.1), `parallels: ${JSON.stringify(parallels)}`);
+  check(near(line(meridians, "8°00′10″E") - line(meridians, "7°59′50″E"), (2 * 10 * 71696) / 3600, 0.1), `meridians: ${JSON.stringify(meridians)}`);
+  const shapes = [[0.01, /^\d+°\d\d′[NE]$/], [0.001, /^\d+°(\d\d′)?[NE]$/], [100, /^\d+°\d\d′\d\d\.\d{1,2}″[NE]$/], [1e-5, /^-?\d+$/]];
+  for (const [scale, shape] of shapes) {
+    for (const all of Object.values(await drawn(scale)).map((lines) => lines.map((l) => l.label)))
+      check(all.length > 1 && all.length < 30 && all.every((x) => shape.test(x)) && new Set(all).size === all.length, `lines at ${scale} pixels a metre: ${all}`);
+  }
+  const beyond = await page.evaluate(() => {
+    const { plan } = document.querySelector("figure.plan");
+    const of = (plane, scale) => ((plan.plane = plane), (plan.scale = scale), plan.draw(), Object.values(plan.lines).map((all) => all.map((l) => l.label)));
+    return [of({ lat: -0.001, lon: 179.999 }, 0.5), of({ lat: 89.99, lon: 0 }, 1)];
+  });
+  check(beyond[0][0].includes("180°00′00″W") || beyond[0][0].includes("180°00′00″E"), `the date line: ${beyond[0][0]}`);
+  check(beyond[0][0].some((x) => /^179°59′\d\d″W$/.test(x)) && beyond[0][0].some((x) => /^179°59′\d\d″E$/.test(x)), `and beyond: ${beyond[0][0]}`);
+  check(beyond[0][1].includes("0°00′00″") && beyond[0][1].some((x) => /S$/.test(x)) && beyond[0][1].some((x) => /N$/.test(x)), `the equator: ${beyond[0][1]}`);
+  check(beyond[1].flat().length === 0, `none at the pole: ${beyond[1]}`);
+  await page.reload();
+  await page.locator(".plan-canvas").waitFor();
+  await page.waitForTimeout(600);
+  if (options.shots) await page.locator("figure.plan").screenshot({ path: join(options.shots, "ui-graticule.png") });
+}
+
 /** Tiles of a folder lie under the track where they belong: the edge of two of them is 140 m west of the start at 8 degrees east. */
 async function tiles(t) {
   const { page, check, options } = t;
@@ -461,7 +505,7 @@ async function live(t) {
 }
 
 export async function work(t) {
-  const steps = [frame, batch, comparisons, carrier, papers, receiver, tiles, live, restart];
+  const steps = [frame, batch, comparisons, carrier, papers, receiver, graticule, tiles, live, restart];
   for (const step of steps.filter((s) => !t.options.steps || t.options.steps.includes(s.name)))
     try {
       await step(t);

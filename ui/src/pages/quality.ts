@@ -4,7 +4,6 @@ import { h } from "../dom";
 import { maybe, number, t } from "../i18n";
 import { Linked } from "../plots/linked";
 import { PlanView, type Track2d } from "../plots/plan";
-import { tileZooms } from "../plots/tiles";
 import { TimePlot, linkCursors } from "../plots/timeplot";
 import { attitudePlots } from "./attitude";
 import { eventList, happenings, marksOf } from "./events";
@@ -75,7 +74,6 @@ function growthPlot(run: RunDetails): TimePlot | null {
 
 /** The first position of a run, from which its local columns are counted. */
 export async function planeOf(run: string): Promise<{ lat: number; lon: number } | null> {
-  if ((await tileZooms()).length === 0) return null;
   const [lat, lon] = ["/solution/position:lat", "/solution/position:lon"];
   const s = await api.series(run, [lat!, lon!], { points: 2 });
   const [a, b] = [s.columns[lat!]?.[0], s.columns[lon!]?.[0]];
