@@ -100,6 +100,7 @@ async function batch(t) {
   }
   await accessible("table of a batch");
   await shot("ui-batch");
+  await reasons(t, runs.find((r) => r.state === "done").id);
   // a note is kept with the run
   await rows.last().getByRole("link").click();
   await page.locator('[role="tablist"]').waitFor();
@@ -123,6 +124,52 @@ async function batch(t) {
   page.once("dialog", (d) => void d.accept());
   await page.getByRole("button", { name: "Remove the batch" }).click();
   check(await soon(async () => (await mine()).length === 0), "the batch is removed");
+}
+
+/** Reasons of a verdict are told in the language of the page, with their numbers, also within each other. */
+async function reasons({ page, address, ask, check, options }, id) {
+  const told = [
+    "only 93.2 % of 60 withheld fixes, judged with wider noise, are inside three sigma (horizontal 95.0 %, vertical 98.3 %; 3.21 m at sigma 1.5 m after 10 s)",
+    "12 of 480 fixes were refused",
+    "the receiver's positions jumped 2 times, by 35.2 m at most, without the IMU feeling it",
+    "a sentence that nobody knows",
+  ];
+  await page.route("**/api/runs", async (route) => {
+    const reply = await route.fetch();
+    await route.fulfill({ response: reply, json: (await reply.json()).map((r) => (r.id === id ? { ...r, verdict: "do not use" } : r)) });
+  });
+  await page.route(`**/api/runs/${id}`, async (route) => {
+    const reply = await route.fetch();
+    const run = await reply.json();
+    run.verdict = "do not use";
+    run.summary.verdict = { word: "do not use", reasons: told };
+    run.summary.warnings = [`${told[1]} (3 times)`];
+    await route.fulfill({ response: reply, json: run });
+  });
+  const expected = {
+    uk: [/^лише 93\.2 % з 60 .*із ширшим шумом, лежать .*95\.0 %.*98\.3 %; 3\.21 м .* 1\.5 м .*10 с/, /^відхилено 12 із 480 /, /стрибнуло разів: 2, .*35\.2 м/, /^відхилено 12 із 480 .*\(разів: 3\)$/],
+    ru: [/^лишь 93\.2 % из 60 .*с более широким шумом, лежат .*95\.0 %.*98\.3 %; 3\.21 м .* 1\.5 м .*10 с/, /^отклонено 12 из 480 /, /изменилось раз: 2, .*35\.2 м/, /^отклонено 12 из 480 .*\(раз: 3\)$/],
+    en: [/^only 93\.2 % of 60/, /^12 of 480 fixes were refused$/, /jumped 2 times/, /12 of 480 fixes were refused \(3 times\)$/],
+  };
+  for (const [language, [first, second, third, warning]] of Object.entries(expected)) {
+    await page.evaluate((l) => localStorage.setItem("schuler.language", l), language);
+    await page.goto(`${address}#/batch/${encodeURIComponent("Two drives")}`);
+    await page.reload();
+    const why = page.locator(`tr[data-run="${id}"] td.why`).first();
+    await why.waitFor();
+    check(first.test(await why.innerText()), `${language}: why in the table: ${await why.innerText()}`);
+    if (options.shots && language === "uk") await page.screenshot({ path: join(options.shots, "ui-batch-uk.png") });
+    await page.goto(`${address}#/run/${id}/overview`);
+    const list = page.locator(".verdict li");
+    await list.nth(3).waitFor();
+    const all = await list.allInnerTexts();
+    check(first.test(all[0]) && second.test(all[1]) && third.test(all[2]) && all[3] === told[3], `${language}: verdict: ${all}`);
+    const warnings = await page.locator(".problems .warning").allInnerTexts();
+    check(warnings.some((w) => warning.test(w.replace("⚠ ", ""))), `${language}: warnings: ${warnings}`);
+  }
+  await page.unrouteAll({ behavior: "wait" });
+  await page.goto(`${address}#/batch/${encodeURIComponent("Two drives")}`);
+  await page.locator(".batch-table tbody tr").first().waitFor();
 }
 
 /** Comparisons of couplings side by side: a table a quantity; of attitude: no empty plot, angles do not cross the plot. */

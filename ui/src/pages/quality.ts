@@ -10,6 +10,7 @@ import { eventList, happenings, marksOf } from "./events";
 import { factsCard } from "./facts";
 import { overview, statCards } from "./overview";
 import type { View } from "./track";
+import { said } from "../reasons";
 import { loader, unit } from "./views";
 
 type Values = (number | null)[];
@@ -33,7 +34,7 @@ function verdictCard(run: RunDetails): HTMLElement | null {
     { class: `card verdict ${kind}` },
     h("h3", null, t("quality.verdict")),
     v && h("p", { class: "verdict-word" }, `${sign} ${maybe(`verdict.${v.word}`, v.word)}`),
-    v && v.reasons.length > 0 && h("ul", null, ...v.reasons.map((r) => h("li", null, r))),
+    v && v.reasons.length > 0 && h("ul", null, ...v.reasons.map((r) => h("li", null, said(r)))),
     c &&
       h(
         "p",
