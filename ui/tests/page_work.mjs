@@ -186,6 +186,17 @@ async function comparisons(t) {
   await table.waitFor();
   const loose = run.summary.schemes.find((s) => s.scheme === "loose");
   const row = await table.locator("tbody tr", { has: page.getByRole("rowheader", { name: "loose", exact: true }) }).innerText();
+  const [alone] = await ended(t, [(await ask("api/runs", "POST", { kind: "scenario", title: "Alone", toml: drive(7) })).id]);
+  const refused = [];
+  const listen = (r) => r.status() >= 400 && refused.push(r.url());
+  page.on("response", listen);
+  await page.goto(`${address}#/compare/${alone.id}/${ids[0]}`);
+  await page.locator("figure.plot .u-over").first().waitFor();
+  await page.waitForTimeout(500);
+  page.off("response", listen);
+  check(refused.length === 0, `nothing is asked of a run that does not have it: ${refused}`);
+  await page.goto(`${address}#/compare/${ids.join("/")}`);
+  await table.waitFor();
   check(/^horizontal/.test(await table.innerText()) && row.includes(String(Number(loose.horizontal_m.toPrecision(4)))), `couplings are compared by quantity: ${row}`);
 
   const data = join(t.folder, "work", "data", "turning");
@@ -417,6 +428,12 @@ async function receiver(t) {
   await compute.click();
   const made = await done();
   const { files, summary } = await ask(`api/runs/${made}`);
+  await page.setViewportSize({ width: 390, height: 844 });
+  await page.goto(`${address}#/studies/${encodeURIComponent("receiver generate")}`);
+  await page.locator(".studies .form").waitFor();
+  check(await soon(async () => (await compute.boundingBox()).y < 844), "on a phone the form of a study is in sight");
+  await page.setViewportSize({ width: 1280, height: 900 });
+  await page.goto(`${address}#/run/${made}`);
   check(files.includes("recording.ibyte") && summary.sample_rate_hz === 2.5e6, `recorded: ${files} ${JSON.stringify(summary)}`);
   await page.getByRole("link", { name: "Track this recording" }).click();
   await page.locator(".studies .form").waitFor();

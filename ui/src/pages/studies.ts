@@ -25,9 +25,11 @@ export async function studiesPage(query: URLSearchParams, name: string): Promise
       ),
     ),
   );
-  const place = h("div");
+  const place = h("div", { class: "study-form" });
   const element = h("div", { class: "studies" }, h("h1", null, t("study.title")), list, place);
   if (chosen) replace(place, form(chosen, examples, sets, recordingsOf(runs, sets), query));
+  // on a phone the form stands below a long list
+  if (chosen && window.innerWidth < 700) window.setTimeout(() => place.scrollIntoView(), 0);
   return { title: t("study.title"), element };
 }
 
