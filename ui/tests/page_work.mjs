@@ -271,10 +271,10 @@ async function graticule(t) {
   const { id } = await ask("api/runs", "POST", { kind: "scenario", title: "Lines", toml: drive(6) });
   await ended(t, [id]);
   await page.goto(`${address}#/run/${id}/overview`);
-  await page.locator(".plan-canvas").waitFor();
+  await page.locator(`.run[data-run="${id}"] .plan-canvas`).waitFor();
   const drawn = (scale) =>
     page.evaluate((scale) => {
-      const { plan } = document.querySelector("figure.plan");
+      const { plan } = document.querySelector(".run figure.plan");
       plan.centre = { east: 0, north: 0 };
       plan.scale = scale;
       plan.fitted = true;
@@ -295,7 +295,7 @@ async function graticule(t) {
       check(all.length > 1 && all.length < 30 && all.every((x) => shape.test(x)) && new Set(all).size === all.length, `lines at ${scale} pixels a metre: ${all}`);
   }
   const beyond = await page.evaluate(() => {
-    const { plan } = document.querySelector("figure.plan");
+    const { plan } = document.querySelector(".run figure.plan");
     const of = (plane, scale) => ((plan.plane = plane), (plan.scale = scale), plan.draw(), Object.values(plan.lines).map((all) => all.map((l) => l.label)));
     return [of({ lat: -0.001, lon: 179.999 }, 0.5), of({ lat: 89.99, lon: 0 }, 1)];
   });
@@ -304,7 +304,7 @@ async function graticule(t) {
   check(beyond[0][1].includes("0°00′00″") && beyond[0][1].some((x) => /S$/.test(x)) && beyond[0][1].some((x) => /N$/.test(x)), `the equator: ${beyond[0][1]}`);
   check(beyond[1].flat().length === 0, `none at the pole: ${beyond[1]}`);
   await page.reload();
-  await page.locator(".plan-canvas").waitFor();
+  await page.locator(`.run[data-run="${id}"] .plan-canvas`).waitFor();
   await page.waitForTimeout(600);
   if (options.shots) await page.locator("figure.plan").screenshot({ path: join(options.shots, "ui-graticule.png") });
 }
