@@ -10,12 +10,13 @@
 
 #include <fmt/format.h>
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <set>
 #include <span>
 #include <sstream>
 
@@ -48,15 +49,11 @@ Json understand(const std::string& form_name, const fs::path& file) {
 }
 
 Json read_all(const fs::path& folder) {
-    Results results;
-    std::set<std::string> tables;  // a table is read whole, whichever of its columns is asked for
-    for (const Json& group : results.channels(folder))
-        for (const Json& column : group["columns"]) {
-            SeriesRequest request;
-            request.columns = {column["id"].get<std::string>()};
-            if (tables.insert(request.columns[0].substr(0, request.columns[0].find(':'))).second)
-                (void)results.series(folder, request, folder);
-        }
+    // memory of one table is that of the next: most of the time would go into fresh pages
+    constexpr int never = 1 << 30;
+    mallopt(M_MMAP_THRESHOLD, never);
+    mallopt(M_TRIM_THRESHOLD, never);
+    Results().read_all(folder);
     return {{"read", true}};
 }
 

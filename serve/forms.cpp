@@ -145,6 +145,7 @@ Json schema_of(const std::vector<settings::OptionSpec>& specs, const settings::S
                        {"help", s.help},
                        {"unit", s.unit},
                        {"applies", s.applies},
+                       {"required", s.line.required},
                        {"default", given == defaults.end() ? Json(nullptr) : json_of(given->value)}});
     }
     return out;

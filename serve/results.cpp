@@ -16,6 +16,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <set>
 #include <span>
 
 namespace schuler::serve {
@@ -262,6 +263,26 @@ Json Results::channels(const fs::path& folder) {
         add_group(group, columns);
     }
     return out;
+}
+
+void Results::read_all(const fs::path& folder) {
+    std::set<std::string> paths;
+    for (const Json& group : channels(folder))
+        for (const Json& column : group["columns"]) {
+            const std::string id = column["id"].get<std::string>(), path = id.substr(0, id.rfind(':'));
+            if (!path.ends_with("/local")) paths.insert(path);  // those are computed
+        }
+    const std::lock_guard lock(mutex_);
+    for (const std::string& path : paths) {
+        const std::size_t rows = table(folder, group_of(path) + "/time_s")->rows();
+        try {
+            const bool same = csv_of(folder, path).empty() ? io::Hdf5Reader(h5_of(folder)).table(path).rows == rows
+                                                           : read_table(folder, path).rows() == rows;
+            if (!same) throw Refusal{404, "the tables of this group differ in length"};
+        } catch (const Error& e) {
+            throw Refusal{404, fmt::format("no table {} in this run: {}", path, e.reason())};
+        }
+    }
 }
 
 std::string Results::series(const fs::path& folder, const SeriesRequest& request, const fs::path& origin) {

@@ -43,6 +43,9 @@ public:
     /// /gravity (gravity.csv), /ensemble (epochs.csv of a Monte Carlo campaign).
     [[nodiscard]] Json channels(const std::filesystem::path& folder);
 
+    /// Reads every table once without keeping it: whether the libraries survive the files. @throws Refusal 404 if one cannot be read
+    void read_all(const std::filesystem::path& folder);
+
     /// A JSON document as above. `origin`: the run whose first position is the origin of "local". @throws Refusal 404, 422
     [[nodiscard]] std::string series(const std::filesystem::path& folder, const SeriesRequest& request,
                                      const std::filesystem::path& origin);

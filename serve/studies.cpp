@@ -1,4 +1,4 @@
-// The studies of the program (`schuler analyze ...`) as forms, and the conversion of a form to a run.
+// The studies of the program (`schuler analyze ...`, `schuler receiver ...`) as forms, and the conversion of a form to a run.
 #include "schuler/app/command.h"
 #include "schuler/core/error.h"
 #include "schuler/io/text/split.h"
@@ -20,8 +20,14 @@ namespace fs = std::filesystem;
 using settings::OptionSpec;
 
 bool is_study(const app::Command& command) {
-    return command.perform && (command.name.starts_with("analyze ") || command.name == "paper");
+    return command.perform &&
+           (command.name.starts_with("analyze ") || command.name.starts_with("receiver ") || command.name == "paper");
 }
+
+/// Of signals: made by one study, in the folder of its run, and taken by another.
+constexpr const char* recording_file = "recording.ibyte";
+bool makes_recording(const app::Command& command) { return command.name == "receiver generate"; }
+bool takes_recording(const app::Command& command) { return command.name == "receiver track"; }
 
 /// Fields of its form: files are taken from the workspace only.
 std::vector<OptionSpec> study_fields(const app::Command& command) {
@@ -32,6 +38,7 @@ std::vector<OptionSpec> study_fields(const app::Command& command) {
 }
 
 const OptionSpec* input_of(const app::Command& command) {
+    if (makes_recording(command)) return nullptr;
     const auto it = std::ranges::find_if(command.options, [](const OptionSpec& s) { return s.line.positional && s.line.file; });
     return it == command.options.end() ? nullptr : &*it;
 }
@@ -46,6 +53,7 @@ Json study_json(const app::Command& command) {
             {"purpose", command.purpose},
             {"examples", command.examples},
             {"input", input == nullptr ? Json(nullptr) : Json(input->help)},
+            {"takes_recording", takes_recording(command)},
             {"options", schema_of(study_fields(command), command.defaults)}};
 }
 
@@ -56,6 +64,39 @@ const app::Command& study_named(const std::string& name) {
     return *command;
 }
 
+/// A number of the form, or its default.
+double number_in(const app::Command& command, const settings::SettingList& given, std::string_view key) {
+    const auto s = std::ranges::find(given, key, &settings::Setting::key);
+    if (s != given.end()) return s->value.number();
+    const auto d = std::ranges::find(command.defaults, key, &settings::Setting::key);
+    return d == command.defaults.end() ? 0.0 : d->value.number();
+}
+
+/// @throws Refusal 413
+void check_recording_size(const app::Command& command, const settings::SettingList& given, std::uintmax_t most) {
+    const double bytes = 2.0 * number_in(command, given, "sample-rate") * number_in(command, given, "seconds");
+    if (bytes > static_cast<double>(most))
+        throw Refusal{413, fmt::format("the recording would have {:.0f} MB, more than {} MB", bytes / 1048576.0, most >> 20),
+                      "choose less time or a lower rate, or start the server with a larger --max-upload", "seconds"};
+}
+
+/// {run} or {dataset, file}. @throws Refusal
+fs::path recording_of(const Workspace& workspace, const Json& order) {
+    const Json from = order.value("recording", Json::object());
+    const std::string run = from.value("run", ""), dataset = from.value("dataset", "");
+    fs::path file;
+    if (!run.empty()) file = inside(workspace.run_folder(run), recording_file);
+    else if (!dataset.empty()) {
+        file = workspace.dataset_folder(dataset);
+        for (const std::string& part : io::split(from.value("file", ""), '/')) file = inside(file, part);
+    } else
+        throw Refusal{422, "the study needs a recording", "send {\"recording\": {\"run\": id}} or {dataset, file}", "recording"};
+    if (!fs::is_regular_file(file))
+        throw Refusal{422, fmt::format("there is no recording {}", file.filename().string()), "make one with receiver generate",
+                      "recording"};
+    return file;
+}
+
 }  // namespace
 
 Reply Service::start_study(const Json& order) {
@@ -63,10 +104,11 @@ Reply Service::start_study(const Json& order) {
     const std::vector<OptionSpec> fields = study_fields(command);
     const settings::SettingList given = settings_from_json(order.value("settings", Json::object()), fields);
     std::vector<std::string> words = io::split(command.name, ' ');
+    const auto name_words = static_cast<std::ptrdiff_t>(words.size());
     for (const OptionSpec& spec : fields) {  // in their order: some are positional
         const auto s = std::ranges::find(given, spec.key, &settings::Setting::key);
         if (s == given.end()) {
-            if (spec.line.positional && spec.line.required) throw Refusal{422, spec.key + " is missing", spec.help, spec.key};
+            if (spec.line.required) throw Refusal{422, spec.key + " is missing", spec.help, spec.key};
             continue;
         }
         settings::check_value(spec, s->value, s->place);
@@ -79,7 +121,10 @@ Reply Service::start_study(const Json& order) {
     const OptionSpec* input = input_of(command);
     const std::string dataset = order.value("dataset", "");
     settings::SettingList scenario;
-    if (input != nullptr && dataset.empty()) {
+    fs::path recording;
+    if (makes_recording(command)) check_recording_size(command, given, settings_.max_upload);
+    if (takes_recording(command)) recording = recording_of(workspace_, order);
+    else if (input != nullptr && dataset.empty()) {
         if (!order.contains("scenario"))
             throw Refusal{422, "the study needs a scenario", "send {\"scenario\": {\"toml\": text}}", "scenario"};
         const Json& of = order["scenario"];
@@ -87,8 +132,8 @@ Reply Service::start_study(const Json& order) {
                                        : settings_from_json(of.value("settings", Json::object()), Form::Scenario);
         check_file_settings(scenario);
     }
-    fs::path readable;
-    if (input != nullptr && !dataset.empty()) {
+    fs::path readable = recording.parent_path();
+    if (recording.empty() && input != nullptr && !dataset.empty()) {
         readable = workspace_.dataset_folder(dataset);
         check_dataset(readable);
     }
@@ -100,14 +145,13 @@ Reply Service::start_study(const Json& order) {
                                                       {"message", ""},
                                                       {"dataset", dataset.empty() ? Json(nullptr) : Json(dataset)}});
     const fs::path folder = workspace_.run_folder(id);
-    if (input != nullptr) {
-        fs::path file = readable;
-        if (dataset.empty()) {
-            file = folder / "scenario.toml";
-            report::write_text(file, toml_of(scenario, Form::Scenario));
-        }
-        words.push_back(file.string());
+    fs::path file = makes_recording(command) ? folder / recording_file : recording.empty() ? readable : recording;
+    if (input != nullptr && recording.empty() && dataset.empty()) {
+        file = folder / "scenario.toml";
+        report::write_text(file, toml_of(scenario, Form::Scenario));
     }
+    // before the options, of which lists take every word that follows
+    if (!file.empty()) words.insert(words.begin() + name_words, file.string());
     if (has_option(command, "output")) words.insert(words.end(), {"--output", folder.string()});
     words.push_back("--json");
     if (command.runs) words.insert(words.end(), {"--progress", "lines"});
@@ -122,18 +166,19 @@ Reply Service::start_study(const Json& order) {
 }
 
 void Service::add_study_routes() {
-    routes_.push_back({"GET",
-                       "/api/studies",
-                       "the studies of `schuler analyze` and `schuler paper`, each with its form",
-                       {},
-                       "",
-                       "[{command, purpose, examples, input: what it works on, or null, options: as /api/options}]",
-                       [](const Request&) {
-                           Json out = Json::array();
-                           for (const app::Command& command : app::commands())
-                               if (is_study(command)) out.push_back(study_json(command));
-                           return json_reply(out);
-                       }});
+    routes_.push_back(
+        {"GET",
+         "/api/studies",
+         "the studies of `schuler analyze`, `schuler receiver` and `schuler paper`, each with its form",
+         {},
+         "",
+         "[{command, purpose, examples, input: what it works on, or null, takes_recording, options: as /api/options}]",
+         [](const Request&) {
+             Json out = Json::array();
+             for (const app::Command& command : app::commands())
+                 if (is_study(command)) out.push_back(study_json(command));
+             return json_reply(out);
+         }});
     routes_.push_back({"GET",
                        "/api/papers",
                        "the tables and figures of the papers that `schuler paper` computes",
@@ -147,13 +192,14 @@ void Service::add_study_routes() {
                                out.push_back(asked_of_program("paper", {"paper", paper, "--json"}, {}, {}));
                            return json_reply(out);
                        }});
-    routes_.push_back({"POST",
-                       "/api/studies",
-                       "starts a study; its JSON document is the summary of the run",
-                       {},
-                       "{command, title, settings: {option: value}, scenario: {settings or toml}, or dataset: name}",
-                       "201 and the run",
-                       [this](const Request& r) { return start_study(Json::parse(r.body)); }});
+    routes_.push_back(
+        {"POST",
+         "/api/studies",
+         "starts a study; its JSON document is the summary of the run",
+         {},
+         "{command, title, settings: {option: value}, scenario: {settings or toml}, or dataset: name, or recording: {run} or {dataset, file}}",
+         "201 and the run",
+         [this](const Request& r) { return start_study(Json::parse(r.body)); }});
 }
 
 }  // namespace schuler::serve

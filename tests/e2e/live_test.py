@@ -1,6 +1,7 @@
 """`schuler live`: replays through real connections, pulled cables, garbage, clocks that jump, readers that do not read, state kept over a restart."""
 import atexit
 import csv
+import functools
 import json
 import math
 import re
@@ -73,7 +74,9 @@ def messages(path, kind):
 def until(condition, seconds=60.0):
     end = time.monotonic() + seconds
     while not condition():
-        check(time.monotonic() < end, "it does not happen")
+        if time.monotonic() > end:
+            check(False, "it does not happen")
+            return
         time.sleep(0.05)
 
 
@@ -184,5 +187,26 @@ def live_state(program, source):
     check((folder / "drive/imu.csv").read_bytes() == imu, "a log was written to")
 
 
+def live_satellites(program, source):
+    """What a receiver says about its satellites is in the messages, also before anything navigates."""
+    described = drive(program, source, seconds=120)
+    number, receiver = port(), port()
+    file = configured(program, described, f"tcp-listen://127.0.0.1:{number}", '[[output]]\nto = "file:now.jsonl"\nrate_hz = 1\n')
+    text = re.sub(r'(?m)(^\[gnss\]\n)source = .*\nformat = .*$', rf'\1source = "tcp-listen://127.0.0.1:{receiver}"\nformat = "nmea"', file.read_text())
+    check('format = "nmea"' in text, text)
+    file.write_text(text)
+    process = started(program, file)
+    sentence = lambda body: f"${body}*{functools.reduce(lambda a, b: a ^ b, body.encode()):02X}\r\n"
+    now = Path(program.folder) / "now.jsonl"
+    with connected(receiver) as s:
+        s.sendall((sentence("GNRMC,120000.00,A,4800.0000,N,01100.0000,E,1.00,90.00,010524,,,A") + sentence("GNGSA,A,3,05,,,,,,,,,,,,1.2,0.9,0.8,1")
+                   + sentence("GPGSV,1,1,02,05,30,120,44,12,,,20,1")).encode())
+        until(lambda: now.exists() and messages(now, "satellites"), 20.0)
+    ended(process)
+    told = (messages(now, "satellites") or [{"satellites": None}])[-1]
+    check(told["satellites"] == [{"name": "G05", "elevation_deg": 30, "azimuth_deg": 120, "cn0_db_hz": 44, "used": True},
+                                 {"name": "G12", "elevation_deg": None, "azimuth_deg": None, "cn0_db_hz": 20, "used": False}], f"{told}")
+
+
 if __name__ == "__main__":
-    main({"live_replay": live_replay, "live_trouble": live_trouble, "live_state": live_state})
+    main({"live_replay": live_replay, "live_trouble": live_trouble, "live_state": live_state, "live_satellites": live_satellites})

@@ -32,11 +32,28 @@ def studies(program, source):
         refused(server, "POST", "/api/studies", 422, ["paper"], body='{"command": "paper", "settings": {"item": "figure-4.1.1"}}')
         refused(server, "POST", "/api/studies", 422, ["item"], body='{"command": "paper", "settings": {"paper": "A", "item": "--help"}}')
 
+        receiver(server)
         refused(server, "POST", "/api/studies", 422, ["not a study"], body='{"command": "process"}')
         refused(server, "POST", "/api/studies", 422, ["speed", "number"], body='{"command": "analyze equator", "settings": {"speed": "fast"}}')
         refused(server, "POST", "/api/studies", 422, ["spead", "speed"], body='{"command": "analyze equator", "settings": {"spead": 1}}')
         refused(server, "POST", "/api/studies", 422, ["output"], body='{"command": "analyze equator", "settings": {"output": "/tmp/x"}}')
         refused(server, "POST", "/api/studies", 422, ["scenario"], body='{"command": "analyze budget"}')
+
+
+def receiver(server):
+    """A recording is made by one run and tracked by another; nothing outside the workspace is, and no file of any size is made."""
+    order = {"command": "receiver generate", "settings": {"seconds": 3, "sample-rate": 2.5e6, "satellites": ["G07:48:1200:300.5"]}}
+    made = server.finished(server.json("POST", "/api/studies", order, 201)["id"])
+    check(made["state"] == "done" and "recording.ibyte" in made["files"], f"a recording: {json.dumps(made)[:400]}")
+    order = {"command": "receiver track", "settings": {"sample-rate": 2.5e6, "satellites": ["G07", "G08"]}, "recording": {"run": made["id"]}}
+    done = server.finished(server.json("POST", "/api/studies", order, 201)["id"])
+    found = [s["satellite"] for s in (done["summary"] or {}).get("satellites", []) if s["found"]]
+    check(found == ["G07"] and "report.html" in done["files"], f"its satellites: {json.dumps(done)[:400]}")
+    for recording in ({}, {"run": "none"}, {"run": done["id"]}, {"run": ".."}, {"dataset": "none", "file": "x"}, {"dataset": "..", "file": "../x"}):
+        status = server.ask("POST", "/api/studies", {**order, "recording": recording})[0].status
+        check(status in (400, 404, 422), f"no recording: {recording}: {status}")
+    refused(server, "POST", "/api/studies", 422, ["sample-rate"], body=json.dumps({**order, "settings": {}}))
+    refused(server, "POST", "/api/studies", 413, ["MB"], body='{"command": "receiver generate", "settings": {"seconds": 3600}}')
 
 
 if __name__ == "__main__":

@@ -277,6 +277,11 @@ def error_models(root):
     return found
 
 
+def said_by(text, program):
+    """A literal of the program, or two of them one after the other."""
+    return text in program or any(text.startswith(part) and text[len(part):] in program for part in program if len(part) > 3)
+
+
 def messages(root):
     """The page's texts: every language has those of en.json, none empty, with the same {names}; those the page asks for are there.
     Another language may have more only for the option table (option., label., key.), whose English stands in the program."""
@@ -293,6 +298,13 @@ def messages(root):
         found += [finding(root, path, 1, f"{key} is empty") for key, text in own.items() if not text.strip()]
         found += [finding(root, path, 1, f"{key} has other names in braces than in en.json") for key, text in own.items()
                   if set(re.findall(r"{\w+}", text)) != set(re.findall(r"{\w+}", english.get(key, text)))]
+    # sentences of the program are recognised by their English: it has to be what the program says
+    braces = re.compile(r"{[^{}]*}")
+    program = {braces.sub("{}", "".join(re.findall(r'"((?:[^"\\\n]|\\.)*)"', literal))).replace('\\"', '"')
+               for path in files(root, "src", suffixes=(".cpp", ".h"))
+               for literal in re.findall(r'"(?:[^"\\\n]|\\.)*"(?:\s*"(?:[^"\\\n]|\\.)*")*', path.read_text(encoding="utf-8"))}
+    found += [finding(root, folder / "messages/en.json", 1, f"{key} is no sentence of the program") for key, text in english.items()
+              if key.startswith("reason.") and not said_by(braces.sub("{}", text), program)]
     for path in files(root, "ui/src", suffixes=(".ts",)):
         for number, line in lines(path):
             found += [finding(root, path, number, f"{key} is in no message file") for key in re.findall(r'\bt\("([\w.]+)"', line)

@@ -20,6 +20,7 @@ GOOD = {
     "src/schuler/math/b.h": "#include \"schuler/core/a.h\"\nErrorDynamics error_b(int x);\nErrorDynamics error_by_name(int x);\nMatrix3d C_nb; int q_part; int C_nb_est; int C_new_old;\n",
     "src/schuler/math/b.cpp": "#include <kissfft.hh>\nconst char* text = \"exit(1) // C_xy\"; int i = thread.exit() + on_exit(1);\n",
     "src/schuler/math/detail/c.h": "#pragma once\n",
+    "src/schuler/math/text.cpp": "auto s = fmt::format(\"{} of {:.1f} \"\n    \"were left\", n, m);\n",
     ".clang-format": "DisableFormat: true\n",
     "cli/main.cpp": "#include \"schuler/core/a.h\"\n#include <CLI/CLI.hpp>\n#include <cstdio>\nint main() { std::printf(\"x\"); }\n",
     "tests/house/jacobians.txt": "# comment\nresult ErrorDynamics\nfunction a\nexcept error_by_name\nexcept dynamics\n",
@@ -28,8 +29,8 @@ GOOD = {
     "tests/house/filters.txt": "# comment\nsrc/schuler/math/filter.cpp LevelFrame\n",
     "tests/math/filters_test.cpp": "SCHULER_ERROR_MODEL(A, \"math.LevelFrame.error_b.error_by_name\", LevelFrame)\n",
     "tests/math/b_test.cpp": "#include \"support/perturbation.h\"\nSCHULER_JACOBIAN(error_b, \"math.error_b\") {}\nSCHULER_JACOBIAN(other, \"a.at_rest\") {}\n",
-    "ui/src/messages/en.json": '{"a.b": "in {n} runs", "c": "c"}',
-    "ui/src/messages/uk.json": '{"a.b": "у {n} прогонах", "c": "ц", "option.x": "довідка"}',
+    "ui/src/messages/en.json": '{"a.b": "in {n} runs", "c": "c", "reason.d": "{n} of {m} were left"}',
+    "ui/src/messages/uk.json": '{"a.b": "у {n} прогонах", "c": "ц", "option.x": "довідка", "reason.d": "лишилося {n} з {m}"}',
     "ui/src/main.ts": 'h("p", null, t("a.b", { n: 1 }), t(`tab.${name}`));\n',
 }
 
@@ -72,7 +73,8 @@ BAD = [
     ("messages", "ui/src/messages/uk.json", '"c"', '"option.c"', "c is missing"),
     ("messages", "ui/src/messages/uk.json", '"option.x"', '"d"', "d is not in en.json"),
     ("messages", "ui/src/messages/uk.json", '"ц"', '" "', "c is empty"),
-    ("messages", "ui/src/messages/uk.json", "{n}", "{m}", "a.b has other names in braces"),
+    ("messages", "ui/src/messages/uk.json", "у {n}", "у {m}", "a.b has other names in braces"),
+    ("messages", "src/schuler/math/text.cpp", "left", "kept", "reason.d is no sentence of the program"),
     ("messages", "ui/src/main.ts", '"a.b"', '"a.c"', "a.c is in no message file"),
 ]
 

@@ -32,6 +32,18 @@ std::string sentence(const std::string& body) {
     return fmt::format("${}*{:02X}\r\n", body, sum);
 }
 
+/// A message of class NAV.
+std::string ubx_frame(char kind, const std::string& payload) {
+    const std::string message =
+        std::string{'\x01', kind, static_cast<char>(payload.size() & 0xff), static_cast<char>(payload.size() >> 8)} + payload;
+    unsigned a = 0, b = 0;
+    for (const char c : message) {
+        a = (a + static_cast<unsigned char>(c)) & 0xffU;
+        b = (b + a) & 0xffU;
+    }
+    return "\xb5\x62" + message + static_cast<char>(a) + static_cast<char>(b);
+}
+
 /// NAV-PVT of a moment of 2024 at 48 deg, 11 deg.
 std::string nav_pvt(int second) {
     std::string payload(92, '\0');
@@ -57,13 +69,25 @@ std::string nav_pvt(int second) {
     put(36, 453'000, 4);
     put(40, 900, 4);
     put(44, 1500, 4);
-    std::string message = std::string("\x01\x07\x5c", 3) + '\0' + payload;
-    unsigned a = 0, b = 0;
-    for (const char c : message) {
-        a = (a + static_cast<unsigned char>(c)) & 0xffU;
-        b = (b + a) & 0xffU;
+    return ubx_frame('\x07', payload);
+}
+
+struct Sat {
+    int system, number, cn0, elevation, azimuth;
+    bool used;
+};
+
+/// NAV-SAT.
+std::string nav_sat(const std::vector<Sat>& all) {
+    std::string payload(8, '\0');
+    payload[4] = 1;
+    payload[5] = static_cast<char>(all.size());
+    for (const Sat& s : all) {
+        payload += {static_cast<char>(s.system),    static_cast<char>(s.number),         static_cast<char>(s.cn0),
+                    static_cast<char>(s.elevation), static_cast<char>(s.azimuth & 0xff), static_cast<char>(s.azimuth >> 8)};
+        payload += {0, 0, static_cast<char>(s.used ? 0x1f : 0x17), 0, 0, 0};
     }
-    return "\xb5\x62" + message + static_cast<char>(a) + static_cast<char>(b);
+    return ubx_frame('\x35', payload);
 }
 
 TEST(LiveDecoder, UbxInPiecesWithGarbageBetween) {
@@ -173,6 +197,102 @@ TEST(LiveDecoder, RowsOfTablesAndLinesOfJson) {
     EXPECT_TRUE(std::isnan(std::get<ImuSample>(lines[0]).accel.z()));
     EXPECT_NEAR(std::get<HeadingSample>(lines[1]).heading, 90.0 * units::deg, 1e-15);
     EXPECT_EQ(json->counters().garbage, 2u);
+}
+
+/// "G05 30/120 44 used" in order; "-" for what is not given.
+std::vector<std::string> satellites_of(Decoder& decoder) {
+    std::vector<std::string> out;
+    const auto all = decoder.satellites().renewed();
+    if (!all) return {"nothing new"};
+    const auto text = [](double x, double unit) { return std::isfinite(x) ? fmt::format("{:.0f}", x / unit) : "-"; };
+    for (const SatelliteSeen& s : *all)
+        out.push_back(fmt::format("{} {}/{} {}{}", gnss::name_of(s.id), text(s.elevation, units::deg),
+                                  text(s.azimuth, units::deg), text(s.cn0, 1.0), s.used ? " used" : ""));
+    return out;
+}
+
+std::string epoch_of(int second, const std::string& more) {
+    return sentence(fmt::format("GNRMC,12000{}.00,A,4800.0000,N,01100.0000,E,1.00,90.00,010524,,,A", second)) + more;
+}
+
+using Names = std::vector<std::string>;
+
+TEST(LiveSatellites, SentencesOfSeveralSystemsAndSignals) {
+    const std::string sky =
+        sentence("GNGSA,A,3,05,12,,,,,,,,,,,1.2,0.9,0.8,1") + sentence("GNGSA,A,3,70,,,,,,,,,,,,1.2,0.9,0.8,2") +
+        sentence("GNGSA,A,3,11,,,,,,,,,,,,1.2,0.9,0.8,3") +
+        sentence("GPGSV,2,1,05,05,30,120,44,12,,,20,33,10,200,,07,-1,010,1,1") + sentence("GPGSV,2,2,05,99,30,120,44,1") +
+        sentence("GPGSV,1,1,01,05,30,120,47,6") + sentence("GLGSV,1,1,01,70,80,300,39,1") +
+        sentence("GAGSV,1,1,01,11,05,359,,7") + "$GPGSV,1,1,01,31,05,359,,7*00\r\n";
+    const Names expected{"G05 30/120 47 used", "G07 -1/10 1",      "G12 -/- 20 used",
+                         "R06 80/300 39 used", "E11 5/359 - used", "S20 10/200 -"};
+    for (const std::size_t size : {std::size_t{1}, std::size_t{50}, std::size_t{5000}}) {
+        const auto decoder = make_decoder(StreamFormat::Nmea, Instrument::Gnss, {});
+        EXPECT_EQ(decoded(*decoder, epoch_of(0, sky), size).size(), 1U);
+        EXPECT_EQ(satellites_of(*decoder), expected);
+        EXPECT_EQ(satellites_of(*decoder), Names{"nothing new"});
+        // none of the second system is used, then it is silent; a sequence without its first sentence does not count
+        const std::string fewer = sentence("GNGSA,A,3,12,,,,,,,,,,,,1.2,0.9,0.8,1") +
+                                  sentence("GNGSA,A,3,,,,,,,,,,,,,1.2,0.9,0.8,2") + sentence("GPGSV,2,2,05,31,30,120,44,1") +
+                                  sentence("GPGSV,1,1,01,12,31,121,21,1");
+        for (int k = 1; k < 9; ++k) {
+            (void)decoded(*decoder, epoch_of(k, fewer), size);
+            const Names now = satellites_of(*decoder);
+            EXPECT_EQ(now.front(), k > 3 ? "G12 31/121 21 used" : "G05 30/120 47") << k;
+            EXPECT_EQ(now.size(), k > 3 ? 1U : 4U) << k;
+        }
+    }
+}
+
+TEST(LiveSatellites, NumbersOfOlderReceivers) {
+    const auto decoder = make_decoder(StreamFormat::Nmea, Instrument::Gnss, {});
+    const std::string sky =
+        sentence("GPGSA,A,3,05,40,193,,,,,,,,,,1.2,0.9,0.8") + sentence("GNGSA,A,3,88,301,401,,,,,,,,,,1.2,0.9,0.8") +
+        sentence("GBGSV,1,1,02,214,45,100,40,03,20,90,30") + sentence("GPGSV,x,1,02,1") + sentence("GPGSV,1,0");
+    (void)decoded(*decoder, epoch_of(0, sky), 7);
+    EXPECT_EQ(satellites_of(*decoder), (Names{"G05 -/- - used", "R24 -/- - used", "E01 -/- - used", "C01 -/- - used",
+                                              "C03 20/90 30", "C14 45/100 40", "J01 -/- - used", "S27 -/- - used"}));
+}
+
+TEST(LiveSatellites, UbxAlsoWithSentencesBetween) {
+    const std::string stream =
+        nav_pvt(1) + sentence("GPGSV,1,1,01,31,05,359,,7") +
+        nav_sat(
+            {{0, 5, 44, 30, 120, true}, {6, 255, 30, 10, 10, false}, {2, 11, 0, -91, 0, false}, {1, 123, 20, 33, 359, false}});
+    std::string cut = nav_sat({{0, 9, 44, 30, 120, true}});
+    cut[11] = 2;  // says two, has one; the checksum says so too
+    for (const std::size_t size : {std::size_t{1}, stream.size()}) {
+        const auto decoder = make_decoder(StreamFormat::Ubx, Instrument::Gnss, {});
+        EXPECT_EQ(decoded(*decoder, stream, size).size(), 1U);
+        EXPECT_EQ(satellites_of(*decoder), (Names{"G05 30/120 44 used", "E11 -/- -", "S23 33/359 20"}));
+        (void)decoded(*decoder, cut + sentence("GPGSV,1,1,01,31,05,359,,7"), size);
+        EXPECT_EQ(satellites_of(*decoder), Names{"nothing new"});
+        (void)decoded(*decoder, nav_sat({}), size);
+        EXPECT_EQ(satellites_of(*decoder), Names{});
+    }
+    const auto sentences = make_decoder(StreamFormat::Ubx, Instrument::Gnss, {});
+    (void)decoded(*sentences, sentence("GPGSV,1,1,01,31,05,359,,7"), 9);
+    EXPECT_EQ(satellites_of(*sentences), Names{"G31 5/359 -"});
+}
+
+TEST(LiveSatellites, SkyReportsOfGpsd) {
+    const auto decoder = make_decoder(StreamFormat::Gpsd, Instrument::Gnss, {});
+    (void)decoded(*decoder,
+                  R"({"class":"SKY","satellites":[{"PRN":5,"el":30.0,"az":120.0,"ss":44.0,"used":true,"gnssid":0,"svid":5},)"
+                  R"({"PRN":70,"ss":0,"used":false,"gnssid":6,"svid":6},{"gnssid":1e300,"svid":-3},7]})"
+                  "\n{\"class\":\"SKY\",\"hdop\":1.0}\n",
+                  11);
+    EXPECT_EQ(satellites_of(*decoder), (Names{"G05 30/120 44 used", "R06 -/- -"}));
+    EXPECT_EQ(decoder->counters().garbage, 0U);
+}
+
+TEST(LiveMessage, SatellitesAsJson) {
+    EXPECT_EQ(
+        satellites_json(
+            12.5, {{{gnss::System::Gps, 5}, 30.0 * units::deg, 120.0 * units::deg, 44.0, true}, {{gnss::System::Glonass, 6}}}),
+        "{\"type\":\"satellites\",\"time_s\":12.500,\"satellites\":[{\"name\":\"G05\",\"elevation_deg\":30,\"azimuth_deg\":120,"
+        "\"cn0_db_hz\":44,\"used\":true},{\"name\":\"R06\",\"elevation_deg\":null,\"azimuth_deg\":null,\"cn0_db_hz\":null,"
+        "\"used\":false}]}\n");
 }
 
 TEST(LiveEndpoint, WhatAUserWrites) {

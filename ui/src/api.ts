@@ -31,6 +31,8 @@ export interface Option {
   unit: string;
   /** Where it has an effect; empty: everywhere. */
   applies?: string;
+  /** Nothing can be computed without it. */
+  required?: boolean;
   default: Json;
 }
 
@@ -41,6 +43,8 @@ export interface CommandForm {
   options: Option[];
   /** Of a study: what it works on, or null. */
   input?: string | null;
+  /** That is a recording of signals, which another study makes. */
+  takes_recording?: boolean;
 }
 
 export interface PaperItem {

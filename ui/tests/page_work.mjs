@@ -1,6 +1,7 @@
 // Steps of page_test.mjs that need no run of the others: several data sets together, notes, removal, comparisons of couplings and of
 // attitude, carrier phase, a server that ends and is started anew.
 import { execFileSync, spawn } from "node:child_process";
+import { once } from "node:events";
 import { createServer } from "node:net";
 import { cpSync, existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -99,6 +100,7 @@ async function batch(t) {
   }
   await accessible("table of a batch");
   await shot("ui-batch");
+  await reasons(t, runs.find((r) => r.state === "done").id);
   // a note is kept with the run
   await rows.last().getByRole("link").click();
   await page.locator('[role="tablist"]').waitFor();
@@ -124,6 +126,52 @@ async function batch(t) {
   check(await soon(async () => (await mine()).length === 0), "the batch is removed");
 }
 
+/** Reasons of a verdict are told in the language of the page, with their numbers, also within each other. */
+async function reasons({ page, address, ask, check, options }, id) {
+  const told = [
+    "only 93.2 % of 60 withheld fixes, judged with wider noise, are inside three sigma (horizontal 95.0 %, vertical 98.3 %; 3.21 m at sigma 1.5 m after 10 s)",
+    "12 of 480 fixes were refused",
+    "the receiver's positions jumped 2 times, by 35.2 m at most, without the IMU feeling it",
+    "a sentence that nobody knows",
+  ];
+  await page.route("**/api/runs", async (route) => {
+    const reply = await route.fetch();
+    await route.fulfill({ response: reply, json: (await reply.json()).map((r) => (r.id === id ? { ...r, verdict: "do not use" } : r)) });
+  });
+  await page.route(`**/api/runs/${id}`, async (route) => {
+    const reply = await route.fetch();
+    const run = await reply.json();
+    run.verdict = "do not use";
+    run.summary.verdict = { word: "do not use", reasons: told };
+    run.summary.warnings = [`${told[1]} (3 times)`];
+    await route.fulfill({ response: reply, json: run });
+  });
+  const expected = {
+    uk: [/^лише 93\.2 % з 60 .*із ширшим шумом, лежать .*95\.0 %.*98\.3 %; 3\.21 м .* 1\.5 м .*10 с/, /^відхилено 12 із 480 /, /стрибнуло разів: 2, .*35\.2 м/, /^відхилено 12 із 480 .*\(разів: 3\)$/],
+    ru: [/^лишь 93\.2 % из 60 .*с более широким шумом, лежат .*95\.0 %.*98\.3 %; 3\.21 м .* 1\.5 м .*10 с/, /^отклонено 12 из 480 /, /изменилось раз: 2, .*35\.2 м/, /^отклонено 12 из 480 .*\(раз: 3\)$/],
+    en: [/^only 93\.2 % of 60/, /^12 of 480 fixes were refused$/, /jumped 2 times/, /12 of 480 fixes were refused \(3 times\)$/],
+  };
+  for (const [language, [first, second, third, warning]] of Object.entries(expected)) {
+    await page.evaluate((l) => localStorage.setItem("schuler.language", l), language);
+    await page.goto(`${address}#/batch/${encodeURIComponent("Two drives")}`);
+    await page.reload();
+    const why = page.locator(`tr[data-run="${id}"] td.why`).first();
+    await why.waitFor();
+    check(first.test(await why.innerText()), `${language}: why in the table: ${await why.innerText()}`);
+    if (options.shots && language === "uk") await page.screenshot({ path: join(options.shots, "ui-batch-uk.png") });
+    await page.goto(`${address}#/run/${id}/overview`);
+    const list = page.locator(".verdict li");
+    await list.nth(3).waitFor();
+    const all = await list.allInnerTexts();
+    check(first.test(all[0]) && second.test(all[1]) && third.test(all[2]) && all[3] === told[3], `${language}: verdict: ${all}`);
+    const warnings = await page.locator(".problems .warning").allInnerTexts();
+    check(warnings.some((w) => warning.test(w.replace("⚠ ", ""))), `${language}: warnings: ${warnings}`);
+  }
+  await page.unrouteAll({ behavior: "wait" });
+  await page.goto(`${address}#/batch/${encodeURIComponent("Two drives")}`);
+  await page.locator(".batch-table tbody tr").first().waitFor();
+}
+
 /** Comparisons of couplings side by side: a table a quantity; of attitude: no empty plot, angles do not cross the plot. */
 async function comparisons(t) {
   const { page, address, ask, check, soon, tabs } = t;
@@ -138,6 +186,17 @@ async function comparisons(t) {
   await table.waitFor();
   const loose = run.summary.schemes.find((s) => s.scheme === "loose");
   const row = await table.locator("tbody tr", { has: page.getByRole("rowheader", { name: "loose", exact: true }) }).innerText();
+  const [alone] = await ended(t, [(await ask("api/runs", "POST", { kind: "scenario", title: "Alone", toml: drive(7) })).id]);
+  const refused = [];
+  const listen = (r) => r.status() >= 400 && refused.push(r.url());
+  page.on("response", listen);
+  await page.goto(`${address}#/compare/${alone.id}/${ids[0]}`);
+  await page.locator("figure.plot .u-over").first().waitFor();
+  await page.waitForTimeout(500);
+  page.off("response", listen);
+  check(refused.length === 0, `nothing is asked of a run that does not have it: ${refused}`);
+  await page.goto(`${address}#/compare/${ids.join("/")}`);
+  await table.waitFor();
   check(/^horizontal/.test(await table.innerText()) && row.includes(String(Number(loose.horizontal_m.toPrecision(4)))), `couplings are compared by quantity: ${row}`);
 
   const data = join(t.folder, "work", "data", "turning");
@@ -204,6 +263,50 @@ function pixel(...rgb) {
   };
   const head = Buffer.from([0, 0, 0, 1, 0, 0, 0, 1, 8, 2, 0, 0, 0]);
   return Buffer.concat([Buffer.from("89504e470d0a1a0a", "hex"), chunk("IHDR", head), chunk("IDAT", deflateSync(Buffer.from([0, ...rgb]))), chunk("IEND", Buffer.alloc(0))]);
+}
+
+/** Lines of latitude and longitude lie under a track, at round steps and where a table of the ellipsoid has them. */
+async function graticule(t) {
+  const { page, address, ask, check, soon, options } = t;
+  const { id } = await ask("api/runs", "POST", { kind: "scenario", title: "Lines", toml: drive(6) });
+  await ended(t, [id]);
+  await page.goto(`${address}#/run/${id}/overview`);
+  await page.locator(`.run[data-run="${id}"] .plan-canvas`).waitFor();
+  const drawn = (scale) =>
+    page.evaluate((scale) => {
+      const { plan } = document.querySelector(".run figure.plan");
+      plan.centre = { east: 0, north: 0 };
+      plan.scale = scale;
+      plan.fitted = true;
+      plan.draw();
+      return plan.lines;
+    }, scale);
+  check(await soon(async () => /″/.test((await drawn(1)).parallels[0]?.label ?? "")), "lines of degrees");
+  const { parallels, meridians } = await drawn(1);
+  const line = (all, label) => all.find((l) => l.label === label)?.at ?? NaN;
+  const near = (x, y, by) => Math.abs(x - y) < by;
+  // the drive begins at 50 deg north, 8 deg east; there a degree has 111 229 m northward and 71 696 m eastward
+  check(near(line(parallels, "50°00′00″N"), 0, 3) && near(line(meridians, "8°00′00″E"), 0, 3), `the start lies on them: ${JSON.stringify([parallels, meridians])}`);
+  check(near(line(parallels, "50°00′05″N") - line(parallels, "49°59′55″N"), (2 * 5 * 111229) / 3600, 0.1), `parallels: ${JSON.stringify(parallels)}`);
+  check(near(line(meridians, "8°00′10″E") - line(meridians, "7°59′50″E"), (2 * 10 * 71696) / 3600, 0.1), `meridians: ${JSON.stringify(meridians)}`);
+  const shapes = [[0.01, /^\d+°\d\d′[NE]$/], [0.001, /^\d+°(\d\d′)?[NE]$/], [100, /^\d+°\d\d′\d\d\.\d{1,2}″[NE]$/], [1e-5, /^-?\d+$/]];
+  for (const [scale, shape] of shapes) {
+    for (const all of Object.values(await drawn(scale)).map((lines) => lines.map((l) => l.label)))
+      check(all.length > 1 && all.length < 30 && all.every((x) => shape.test(x)) && new Set(all).size === all.length, `lines at ${scale} pixels a metre: ${all}`);
+  }
+  const beyond = await page.evaluate(() => {
+    const { plan } = document.querySelector(".run figure.plan");
+    const of = (plane, scale) => ((plan.plane = plane), (plan.scale = scale), plan.draw(), Object.values(plan.lines).map((all) => all.map((l) => l.label)));
+    return [of({ lat: -0.001, lon: 179.999 }, 0.5), of({ lat: 89.99, lon: 0 }, 1)];
+  });
+  check(beyond[0][0].includes("180°00′00″W") || beyond[0][0].includes("180°00′00″E"), `the date line: ${beyond[0][0]}`);
+  check(beyond[0][0].some((x) => /^179°59′\d\d″W$/.test(x)) && beyond[0][0].some((x) => /^179°59′\d\d″E$/.test(x)), `and beyond: ${beyond[0][0]}`);
+  check(beyond[0][1].includes("0°00′00″") && beyond[0][1].some((x) => /S$/.test(x)) && beyond[0][1].some((x) => /N$/.test(x)), `the equator: ${beyond[0][1]}`);
+  check(beyond[1].flat().length === 0, `none at the pole: ${beyond[1]}`);
+  await page.reload();
+  await page.locator(`.run[data-run="${id}"] .plan-canvas`).waitFor();
+  await page.waitForTimeout(600);
+  if (options.shots) await page.locator("figure.plan").screenshot({ path: join(options.shots, "ui-graticule.png") });
 }
 
 /** Tiles of a folder lie under the track where they belong: the edge of two of them is 140 m west of the start at 8 degrees east. */
@@ -303,6 +406,55 @@ async function papers(t) {
   await page.getByText("Schuler period").first().waitFor();
 }
 
+/** A recording of signals is made, and its satellites are tracked by another run; the receiver of a scenario has its fields. */
+async function receiver(t) {
+  const { page, address, ask, check, soon, done, accessible, tabs, options } = t;
+  await page.goto(`${address}#/studies/${encodeURIComponent("receiver track")}`);
+  const compute = page.getByRole("button", { name: /Compute/ });
+  await page.locator(".studies .form").waitFor();
+  check((await compute.isDisabled()) && /no recording/.test(await page.locator(".studies .note").innerText()), "nothing is tracked where nothing is recorded, and the reason is told");
+  await page.goto(`${address}#/studies/${encodeURIComponent("receiver generate")}`);
+  await page.getByLabel("sample rate", { exact: true }).waitFor();
+  check((await page.getByLabel("file", { exact: true }).count()) === 0, "the file is the run's own");
+  await page.getByLabel("length, s", { exact: true }).fill("1e5");
+  check(await compute.isDisabled(), "an hour at most");
+  await page.getByLabel("length, s", { exact: true }).fill("3600");
+  await compute.click();
+  await page.getByText(/more than 2048 MB/).waitFor();
+  await page.getByLabel("length, s", { exact: true }).fill("4");
+  await page.getByLabel("sample rate", { exact: true }).fill("2.5e6");
+  await page.getByLabel("satellites", { exact: true }).fill("G07:45:1200:300.5, G12:48:-3300");
+  await page.getByLabel("Name", { exact: true }).fill("Sky");
+  await compute.click();
+  const made = await done();
+  const { files, summary } = await ask(`api/runs/${made}`);
+  await page.setViewportSize({ width: 390, height: 844 });
+  await page.goto(`${address}#/studies/${encodeURIComponent("receiver generate")}`);
+  await page.locator(".studies .form").waitFor();
+  check(await soon(async () => (await compute.boundingBox()).y < 844), "on a phone the form of a study is in sight");
+  await page.setViewportSize({ width: 1280, height: 900 });
+  await page.goto(`${address}#/run/${made}`);
+  check(files.includes("recording.ibyte") && summary.sample_rate_hz === 2.5e6, `recorded: ${files} ${JSON.stringify(summary)}`);
+  await page.getByRole("link", { name: "Track this recording" }).click();
+  await page.locator(".studies .form").waitFor();
+  check(await soon(async () => (await page.getByLabel("sample rate", { exact: true }).inputValue()) === "2500000"), "the recording says how it was sampled");
+  check((await page.getByLabel("Recording", { exact: true }).locator("option:checked").innerText()) === "Sky", "and is chosen");
+  await page.getByLabel("sample rate", { exact: true }).fill("");
+  check((await compute.isDisabled()) && /sample rate is missing/.test(await page.locator(".studies .note").innerText()), "without a rate nothing is tracked");
+  await page.getByLabel("sample rate", { exact: true }).fill("2.5e6");
+  await accessible("receiver");
+  if (options.shots) await page.screenshot({ path: join(options.shots, "ui-receiver.png") });
+  await compute.click();
+  const tracked = await done();
+  const found = (await ask(`api/runs/${tracked}`)).summary.satellites.filter((s) => s.found).map((s) => s.satellite);
+  check(found.join() === "G07,G12", `satellites of the recording: ${found}`);
+  await tabs("tracking", tracked);
+  await page.goto(`${address}#/scenario?example=jamming`);
+  await page.getByText(/km, up to/).waitFor();
+  await page.locator("summary", { hasText: "Receiver at signal level" }).click();
+  check((await page.locator("#option-receiver-rate_hz").inputValue()) !== "" && (await page.locator("#option-receiver-jammer").isVisible()), "the receiver of a scenario has its fields");
+}
+
 const freePort = () =>
   new Promise((found) => {
     const s = createServer().listen(0, "127.0.0.1", () => {
@@ -310,6 +462,44 @@ const freePort = () =>
       s.close(() => found(port));
     });
   });
+
+/** What a receiver says about its satellites, at the port of `schuler live`. */
+async function sky({ check, soon, accessible, options }, tab, port) {
+  const readers = new Set();
+  const receiver = createServer((s) => (readers.add(s), s.on("error", () => undefined)));
+  await new Promise((done) => receiver.listen(port, "127.0.0.1", done));
+  const tell = (satellites) => readers.forEach((s) => s.write(JSON.stringify({ type: "satellites", time_s: 1, satellites }) + "\n"));
+  const seen = (name, elevation_deg, azimuth_deg, cn0_db_hz, used) => ({ name, elevation_deg, azimuth_deg, cn0_db_hz, used });
+  const card = tab.locator(".live-sky");
+  try {
+    check(!(await card.isVisible()), "no satellites without messages of them");
+    await tab.locator(".live-link", { hasText: "Messages of" }).waitFor();
+    tell([seen("G05", 30, 120, 44, true), seen("R06", 80, 300, 39, true), seen("E11", 5, 359, null, false), seen("S23", null, null, 20, false), 7, {}]);
+    await card.getByText("2 used of 4 in view").waitFor();
+    check((await card.locator(".sky-name").allTextContents()).join() === "G05,R06,E11", "those whose place is known stand in the sky");
+    check((await card.locator(".sky-now.status-0").count()) === 2, "two of them are used");
+    const rows = await card.locator("tbody tr").allInnerTexts();
+    check(rows.length === 4 && /^G05\s+44\s+30\s+120\s+yes$/.test(rows[0]) && /^S23\s+20\s+–\s+–\s+no$/.test(rows[3]), `the list: ${rows}`);
+    check((await tab.evaluate(() => document.documentElement.scrollWidth - innerWidth)) <= 1, "satellites: wider than a phone");
+    await accessible("satellites, live", tab);
+    for (const [name, width, height] of [["ui-live-sky-390", 390, 844], ["ui-live-sky", 1440, 900]]) {
+      await tab.setViewportSize({ width, height });
+      await tab.waitForTimeout(300);
+      if (options.shots) await card.screenshot({ path: join(options.shots, `${name}.png`) });
+    }
+    tell([seen("G07", 10, 10, 30, false)]);
+    check(await soon(async () => (await card.locator(".sky-name").allTextContents()).join() === "G07"), "the next message replaces them");
+    const said = () => card.locator("p").first().innerText();
+    await tab.evaluate(() => {
+      const now = Date.now;
+      Date.now = () => now() + 12_000;
+    });
+    check(await soon(async () => /No message about satellites/.test(await said())), `a receiver that falls silent is told: ${await said()}`);
+  } finally {
+    readers.forEach((s) => s.destroy());
+    receiver.close();
+  }
+}
 
 /** A drive replayed to `schuler live`, whose messages the page shows: nothing yet, navigation, the end. */
 async function live(t) {
@@ -366,7 +556,9 @@ async function live(t) {
     if (options.shots) await tab.screenshot({ path: join(options.shots, "ui-live-390.png"), fullPage: true });
     await accessible("live", tab);
     navigator.kill("SIGTERM");
+    await once(navigator, "exit");
     await tab.locator(".live-link", { hasText: "No connection" }).waitFor();
+    await sky(t, tab, messages);
     check(complaints.length === 0, `live: ${complaints}`);
   } finally {
     await tab.close();
@@ -377,7 +569,7 @@ async function live(t) {
 }
 
 export async function work(t) {
-  const steps = [frame, batch, comparisons, carrier, papers, tiles, live, restart];
+  const steps = [frame, batch, comparisons, carrier, papers, receiver, graticule, tiles, live, restart];
   for (const step of steps.filter((s) => !t.options.steps || t.options.steps.includes(s.name)))
     try {
       await step(t);

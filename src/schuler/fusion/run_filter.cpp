@@ -396,8 +396,7 @@ Result run_filter(const Recording& recording, const Settings& given, WarningLog&
             "started anew",
             longest_bridge, starts.size()));
     if (failure)
-        warnings.add("legs.left_out", fmt::format("{} of {} legs {} left out: {}", left_out, starts.size(),
-                                                  left_out == 1 ? "is" : "are", failure->reason()));
+        warnings.add("legs.left_out", fmt::format("{} of {} legs left out: {}", left_out, starts.size(), failure->reason()));
     return std::move(*all);
 }
 

@@ -77,6 +77,16 @@ private:
     std::string header_, table_;
 };
 
+/// True if the checksum after the asterisk is right; begins with the dollar sign.
+bool checked(std::string_view line) {
+    const std::size_t star = line.rfind('*');
+    if (star == std::string_view::npos || star + 3 > line.size()) return false;
+    unsigned sum = 0;
+    for (const char c : line.substr(1, star - 1)) sum ^= static_cast<unsigned char>(c);
+    return fmt::format("{:02X}", sum & 0xffU) == line.substr(star + 1, 2) ||
+           fmt::format("{:02x}", sum & 0xffU) == line.substr(star + 1, 2);
+}
+
 /// Sentences of one time of day form an epoch, which is complete when the next one begins or no more data arrive.
 class NmeaDecoder final : public Decoder {
 public:
@@ -99,11 +109,13 @@ private:
         if (!checked(line)) return bad("a sentence with a wrong checksum");
         const std::string_view kind = line.substr(3, 3);
         const bool timed = kind == "GGA" || kind == "RMC" || kind == "GNS" || kind == "GST" || kind == "ZDA";
-        if (!timed && kind != "VTG" && kind != "GSA") {
+        if (!timed && kind != "VTG" && kind != "GSA" && kind != "GSV") {
             ++counters_.foreign;
             return;
         }
         ++counters_.messages;
+        if (kind == "GSV" || kind == "GSA") satellites_.nmea(line);
+        if (kind == "GSV") return;  // no part of a fix
         if (timed) {
             const std::size_t end = line.find(',', 7);
             const std::string_view time = line.substr(7, end == std::string_view::npos ? end : end - 7);
@@ -117,17 +129,9 @@ private:
         epoch_.append(line).append("\r\n");
     }
 
-    static bool checked(std::string_view line) {
-        const std::size_t star = line.rfind('*');
-        if (star == std::string_view::npos || star + 3 > line.size()) return false;
-        unsigned sum = 0;
-        for (const char c : line.substr(1, star - 1)) sum ^= static_cast<unsigned char>(c);
-        return fmt::format("{:02X}", sum & 0xffU) == line.substr(star + 1, 2) ||
-               fmt::format("{:02x}", sum & 0xffU) == line.substr(star + 1, 2);
-    }
-
     void finish(std::vector<Sample>& out) {
         if (epoch_.empty()) return;
+        satellites_.nmea_epoch();
         // an epoch without a date has that of the previous one
         const std::string text = dated_ ? std::exchange(epoch_, {}) : date_ + std::exchange(epoch_, {});
         dated_ = false;
@@ -208,8 +212,13 @@ protected:
         return a == byte(b, size - 2) && c == byte(b, size - 1) ? size : none;
     }
     void message(const std::string& bytes, std::vector<Sample>& out) override {
-        const bool solution = bytes[0] != '$' && byte(bytes, 2) == 0x01 && byte(bytes, 3) == 0x07;  // NAV-PVT
-        if (!solution) {
+        if (bytes[0] == '$') return sentence(bytes);
+        const bool navigation = byte(bytes, 2) == 0x01;
+        if (navigation && byte(bytes, 3) == 0x35) {  // NAV-SAT
+            ++counters_.messages;
+            return satellites_.ubx(bytes);
+        }
+        if (!navigation || byte(bytes, 3) != 0x07) {  // NAV-PVT
             ++counters_.foreign;
             return;
         }
@@ -219,6 +228,18 @@ protected:
             for (const GnssFix& fix : io::read_ubx(input_of(bytes), heard).fixes) out.emplace_back(fix);
         } catch (const Error&) {  // without a fix
         }
+    }
+
+private:
+    /// Of the sentences only the satellites are taken.
+    void sentence(std::string_view line) {
+        ++counters_.foreign;
+        const std::size_t end = line.find_last_not_of("\r\n");
+        line = line.substr(0, end == std::string_view::npos ? 0 : end + 1);
+        if (!checked(line)) return;
+        const std::string_view kind = line.size() > 6 ? line.substr(3, 3) : std::string_view();
+        if (kind == "GGA" || kind == "RMC") satellites_.nmea_epoch();
+        satellites_.nmea(line);
     }
 };
 

@@ -4,6 +4,7 @@
 #include "schuler/core/samples.h"
 #include "schuler/core/time.h"
 #include "schuler/io/text/csv/csv_recording.h"
+#include "schuler/live/satellites.h"
 
 #include <cstddef>
 #include <memory>
@@ -21,7 +22,7 @@ inline constexpr std::size_t instrument_count = 6;
 using Sample =
     std::variant<ImuSample, GnssFix, BaroSample, MagSample, OdometerSample, HeadingSample>;  // in the order of Instrument
 
-/// Ubx: NAV-PVT. Novatel: content of such files. Csv: header line first. Json: one line per sample, any instrument. Gpsd: TPV.
+/// Ubx: NAV-PVT, NAV-SAT. Novatel: content of such files. Csv: header line first. Json: one line per sample, any instrument. Gpsd: TPV, SKY.
 enum class StreamFormat { Nmea, Ubx, Novatel, Csv, Json, Gpsd };
 
 struct DecoderCounters {
@@ -43,6 +44,8 @@ public:
     /// A connection restarts: partially read data are discarded.
     virtual void reset() = 0;
     [[nodiscard]] const DecoderCounters& counters() const { return counters_; }
+    /// Satellites of Nmea, Ubx and Gpsd.
+    [[nodiscard]] SatelliteReport& satellites() { return satellites_; }
 
     static constexpr double quiet_time = 0.02;  ///< s
 
@@ -52,6 +55,7 @@ protected:
         counters_.example = std::move(why);
     }
     DecoderCounters counters_;
+    SatelliteReport satellites_;
 };
 
 /// `options`: columns of Csv. `instrument`: the instrument of its rows.

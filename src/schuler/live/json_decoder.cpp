@@ -99,12 +99,13 @@ private:
     Lines lines_;
 };
 
-/// TPV reports of gpsd's protocol (version 3) with a fix.
+/// TPV reports of gpsd's protocol (version 3) with a fix, and the satellites of SKY reports.
 class GpsdDecoder final : public JsonDecoder {
 protected:
     bool message(const Json& j, std::vector<Sample>& out) override {
         const auto kind = j.find("class");
         if (kind == j.end() || !kind->is_string()) return false;
+        if (*kind == "SKY") return sky(j);
         const auto stamp = j.find("time");
         if (*kind != "TPV" || number_of(j, "mode", 0.0) < 2.0 || stamp == j.end() || !stamp->is_string()) {
             ++counters_.foreign;
@@ -124,6 +125,31 @@ protected:
         constexpr double two_sigma = 2.0;
         f.std_position = {number_of(j, "epy") / two_sigma, number_of(j, "epx") / two_sigma, number_of(j, "epv") / two_sigma};
         out.emplace_back(f);
+        ++counters_.messages;
+        return true;
+    }
+
+private:
+    bool sky(const Json& j) {
+        const auto list = j.find("satellites");
+        if (list == j.end() || !list->is_array()) {  // only dilutions
+            ++counters_.foreign;
+            return true;
+        }
+        std::vector<SatelliteSeen> all;
+        constexpr std::size_t most = 200;
+        for (const Json& s : *list) {
+            if (!s.is_object() || all.size() == most) continue;
+            const double system = number_of(s, "gnssid", -1.0), number = number_of(s, "svid", -1.0);
+            if (!(std::abs(system) < 256.0 && std::abs(number) < 256.0)) continue;
+            const auto id = satellite_of_ublox(static_cast<int>(system), static_cast<int>(number));
+            if (!id) continue;
+            const double strength = number_of(s, "ss");
+            const auto used = s.find("used");
+            all.push_back({*id, number_of(s, "el") * units::deg, number_of(s, "az") * units::deg,
+                           strength > 0.0 ? strength : not_given, used != s.end() && used->is_boolean() && used->get<bool>()});
+        }
+        satellites_.replace(std::move(all));
         ++counters_.messages;
         return true;
     }

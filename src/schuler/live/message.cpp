@@ -119,6 +119,20 @@ std::string event_json(const NavigatorEvent& e) {
     return text + "}\n";
 }
 
+std::string satellites_json(double time, const std::vector<SatelliteSeen>& satellites) {
+    std::string text = "{\"type\":\"satellites\"";
+    pair(text, "time_s", time, 3);
+    text += ",\"satellites\":[";
+    for (const SatelliteSeen& s : satellites) {
+        fmt::format_to(std::back_inserter(text), "{}{{\"name\":\"{}\"", text.back() == '[' ? "" : ",", gnss::name_of(s.id));
+        pair(text, "elevation_deg", s.elevation / units::deg, 0);
+        pair(text, "azimuth_deg", s.azimuth / units::deg, 0);
+        pair(text, "cn0_db_hz", s.cn0, 0);
+        text += s.used ? ",\"used\":true}" : ",\"used\":false}";
+    }
+    return text + "]}\n";
+}
+
 std::string event_text(const NavigatorEvent& e) {
     switch (e.kind) {
         case NavigatorEvent::Kind::Phase: return fmt::format("{:.3f} s: {}", e.time.seconds(), name_of(e.phase));

@@ -7,6 +7,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace schuler::live {
 
@@ -20,6 +21,8 @@ namespace schuler::live {
 /// GGA, RMC and HDT. If the time axis has no date (before the year 2000) the date is empty.
 [[nodiscard]] std::string state_nmea(const SolutionRow& row);
 [[nodiscard]] std::string event_json(const filter::NavigatorEvent& event);
+/// `time`: s, of the newest sample of the IMU.
+[[nodiscard]] std::string satellites_json(double time, const std::vector<SatelliteSeen>& satellites);
 [[nodiscard]] std::string event_text(const filter::NavigatorEvent& event);
 
 /// Content of a health message.

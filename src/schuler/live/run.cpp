@@ -121,6 +121,7 @@ public:
         }
         next_save_ = begin_ + settings.save_every;
         next_health_ = begin_ + settings.health_every;
+        next_satellites_ = begin_ + 1.0;
         for (Station& s : stations_) s.last_bytes = begin_;
     }
 
@@ -138,6 +139,7 @@ public:
             regular(monotonic());
         }
         for (Station& s : stations_) settle(s);
+        satellites();
         health(monotonic());
         report_.saved = save();
         report_.seconds = monotonic() - begin_;
@@ -311,10 +313,20 @@ private:
         last_health_ = now;
     }
 
+    void satellites() {
+        for (Station& s : stations_)
+            if (const auto all = s.decoder->satellites().renewed())
+                broadcast(satellites_json(newest_ ? newest_->seconds() : not_given, *all));
+    }
+
     void regular(double now) {
         if (now >= next_health_) {
             health(now);
             next_health_ = now + settings_.health_every;
+        }
+        if (now >= next_satellites_) {
+            satellites();
+            next_satellites_ = now + 1.0;
         }
         if (now >= next_save_) {
             (void)save();
@@ -358,7 +370,7 @@ private:
     LiveReport report_;
     std::optional<Time> newest_;
     std::size_t imu_since_ = 0;
-    double begin_, next_save_ = 0.0, next_health_ = 0.0, last_health_ = begin_, next_told_ = 0.0;
+    double begin_, next_save_ = 0.0, next_health_ = 0.0, next_satellites_ = 0.0, last_health_ = begin_, next_told_ = 0.0;
 };
 
 }  // namespace

@@ -5,6 +5,7 @@ import { draftKey, forgetDraft, keepDraft, keptDraft } from "../draft";
 import { OptionForm } from "../form";
 import { maybe, number, t } from "../i18n";
 import type { Page } from "../page";
+import { said } from "../reasons";
 import { stateBadge } from "./start";
 
 const tasks = ["process", "gnss", "ahrs", "gravity"] as const;
@@ -311,7 +312,7 @@ export async function batchTablePage(batch: string): Promise<Page> {
                 h("td", { class: "state" }, run.state === "running" ? h("progress", { max: 1, value: progress.get(run.id) ?? run.progress ?? 0, "aria-label": t("state.running") }) : stateBadge(run)),
                 h("td", { class: `word ${run.verdict === "trustworthy" ? "good" : run.verdict === "do not use" ? "poor" : ""}` }, run.verdict ? maybe(`verdict.${run.verdict}`, run.verdict) : "–"),
                 ...columns.map(([, value]) => h("td", { class: "figure" }, number(value(row), 3))),
-                h("td", { class: "why" }, f.why),
+                h("td", { class: "why" }, said(f.why)),
                 noted && h("td", { class: "why" }, run.note),
               );
             }),

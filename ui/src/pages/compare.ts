@@ -19,11 +19,14 @@ type Values = (number | null)[];
 /** The same column of several runs on the time axis of all of them together. */
 async function together(
   runs: RunDetails[],
+  groups: Group[][],
   id: string,
   range: { from?: number | undefined; to?: number | undefined; points: number },
   signal: AbortSignal,
 ): Promise<Data> {
-  const all = await Promise.all(runs.map((r) => api.series(r.id, [id], range, undefined, signal).catch(() => null)));
+  // only of those that have it
+  const has = (i: number) => groups[i]!.some((g) => g.columns.some((c) => c.id === id));
+  const all = await Promise.all(runs.map((r, i) => (has(i) ? api.series(r.id, [id], range, undefined, signal).catch(() => null) : null)));
   const x = [...new Set(all.flatMap((s) => s?.time_s ?? []))].sort((a, b) => a - b);
   return { x, y: all.map((s) => (s ? resampled(s.time_s, s.columns[id]!, x) : x.map(() => null))) };
 }
@@ -136,7 +139,7 @@ export async function comparePage(ids: string[]): Promise<Page> {
             unit: unit(column.unit),
             lines,
             include: [0],
-            load: (from, to, points, signal) => together(runs, column.id, { from, to, points }, signal),
+            load: (from, to, points, signal) => together(runs, groups, column.id, { from, to, points }, signal),
           },
           linked,
         ),
@@ -157,7 +160,7 @@ export async function comparePage(ids: string[]): Promise<Page> {
               robust: true,
               mayBeEmpty: true,
               load: async (from, to, points, signal) => {
-                const all = await together(runs, column.id, { from, to, points }, signal);
+                const all = await together(runs, groups, column.id, { from, to, points }, signal);
                 return jumps ? { ...all, y: all.y.map(withoutJumps) } : all;
               },
             },

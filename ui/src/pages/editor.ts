@@ -64,6 +64,8 @@ export async function editorPage(query: URLSearchParams): Promise<Page> {
     const track = now.track;
     if (track) {
       plan.show([{ label: t("track.true"), ink: 0, time: track.time_s, east: track.east_m, north: track.north_m }]);
+      const start = (key: string) => Number(now.settings[`trajectory.start.${key}`] ?? now.used[`trajectory.start.${key}`] ?? NaN);
+      void plan.lie({ lat: start("lat_deg"), lon: start("lon_deg") });
       linked = new Linked(0, track.time_s.at(-1) ?? 1);
       linked.spans = gnssOutages(form.settings).map((o) => ({ from: o.start_s, to: o.start_s + o.duration_s, label: "GNSS" }));
       const of = (name: string, unit: string, lines: [string, number[]][]) =>

@@ -7,6 +7,7 @@ import { HorizonView } from "../plots/horizon";
 import { Linked } from "../plots/linked";
 import { PlanView } from "../plots/plan";
 import { TimePlot, linkCursors } from "../plots/timeplot";
+import { LiveSky } from "./livesky";
 
 type Message = Record<string, unknown>;
 
@@ -128,6 +129,7 @@ export async function livePage(): Promise<Page> {
   linkCursors(plots, linked);
   const sources = h("div");
   const list = h("div");
+  const sky = new LiveSky();
 
   const card = (name: string, value: string, note = "") => h("div", { class: "stat" }, h("span", { class: "stat-name" }, name), h("strong", null, value), h("span", { class: "muted" }, note));
   const of = (m: Message | null, key: string) => (typeof m?.[key] === "number" ? (m[key] as number) : null);
@@ -181,6 +183,7 @@ export async function livePage(): Promise<Page> {
     const silent = heard > 0 && Date.now() - heard > 3000;
     link.classList.toggle("silent", silent);
     if (silent && connected) link.textContent = t("live.silent", { s: Math.round((Date.now() - heard) / 1000) });
+    sky.age();
     if (!changed) return;
     changed = false;
     drawStats();
@@ -214,6 +217,8 @@ export async function livePage(): Promise<Page> {
       changed = true;
       if (m["phase"] !== "navigating") now = null;
       drawHealth();
+    } else if (m["type"] === "satellites") {
+      sky.take(m);
     } else if (m["type"] === "event") {
       events.unshift(m);
       events.length = Math.min(events.length, mostEvents);
@@ -248,6 +253,7 @@ export async function livePage(): Promise<Page> {
         "div",
         { class: "quality-left" },
         plan.element,
+        sky.element,
         h("section", { class: "card" }, h("h2", null, t("live.health")), sources),
         h("section", { class: "card" }, h("h2", null, t("event.title")), list),
       ),

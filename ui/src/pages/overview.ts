@@ -2,6 +2,7 @@
 import { api, type RunDetails, type Spread, type Summary } from "../api";
 import { append, copyText, h, icon } from "../dom";
 import { maybe, number, t } from "../i18n";
+import { said } from "../reasons";
 
 type Cells = (string | HTMLElement)[];
 
@@ -96,7 +97,7 @@ export function overview(run: RunDetails): HTMLElement {
     append(
       box,
       h("h3", null, t("table.warnings")),
-      h("ul", { class: "problems" }, ...s.warnings.map((w) => h("li", { class: "warning" }, `⚠ ${w}`))),
+      h("ul", { class: "problems" }, ...s.warnings.map((w) => h("li", { class: "warning" }, `⚠ ${said(w)}`))),
     );
   const rows = errorRows(s);
   if (rows.length > 0)

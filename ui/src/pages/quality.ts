@@ -4,13 +4,13 @@ import { h } from "../dom";
 import { maybe, number, t } from "../i18n";
 import { Linked } from "../plots/linked";
 import { PlanView, type Track2d } from "../plots/plan";
-import { tileZooms } from "../plots/tiles";
 import { TimePlot, linkCursors } from "../plots/timeplot";
 import { attitudePlots } from "./attitude";
 import { eventList, happenings, marksOf } from "./events";
 import { factsCard } from "./facts";
 import { overview, statCards } from "./overview";
 import type { View } from "./track";
+import { said } from "../reasons";
 import { loader, unit } from "./views";
 
 type Values = (number | null)[];
@@ -34,7 +34,7 @@ function verdictCard(run: RunDetails): HTMLElement | null {
     { class: `card verdict ${kind}` },
     h("h3", null, t("quality.verdict")),
     v && h("p", { class: "verdict-word" }, `${sign} ${maybe(`verdict.${v.word}`, v.word)}`),
-    v && v.reasons.length > 0 && h("ul", null, ...v.reasons.map((r) => h("li", null, r))),
+    v && v.reasons.length > 0 && h("ul", null, ...v.reasons.map((r) => h("li", null, said(r)))),
     c &&
       h(
         "p",
@@ -75,7 +75,6 @@ function growthPlot(run: RunDetails): TimePlot | null {
 
 /** The first position of a run, from which its local columns are counted. */
 export async function planeOf(run: string): Promise<{ lat: number; lon: number } | null> {
-  if ((await tileZooms()).length === 0) return null;
   const [lat, lon] = ["/solution/position:lat", "/solution/position:lon"];
   const s = await api.series(run, [lat!, lon!], { points: 2 });
   const [a, b] = [s.columns[lat!]?.[0], s.columns[lon!]?.[0]];

@@ -284,6 +284,9 @@ async function finished(run: RunDetails, first: string): Promise<Page> {
       run.dataset &&
         run.files.includes("settings.toml") &&
         h("a", { class: "button", href: `#/data/${encodeURIComponent(run.dataset)}?run=${encodeURIComponent(run.id)}` }, t("run.again")),
+      run.command === "receiver generate" &&
+        run.state === "done" &&
+        h("a", { class: "button", href: `#/studies/${encodeURIComponent("receiver track")}?recording=${encodeURIComponent(run.id)}` }, t("study.track")),
       tool("✎", t("rename"), () => {
         const name = prompt(t("rename"), run.title);
         if (name) void api.rename(run.id, name).then(() => ((run.title = name), (title.textContent = name)));

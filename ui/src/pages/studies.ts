@@ -1,13 +1,13 @@
 // The studies of the program: a form of each, made of the option table, and the way to a run.
-import { api, type CommandForm, type Settings } from "../api";
+import { api, type CommandForm, type DatasetInfo, type Run, type Settings } from "../api";
 import { h, replace } from "../dom";
-import { OptionForm } from "../form";
+import { OptionForm, labelOf } from "../form";
 import { maybe, t } from "../i18n";
 import type { Page } from "../page";
 import { runButton } from "./runbutton";
 
 export async function studiesPage(query: URLSearchParams, name: string): Promise<Page> {
-  const [studies, examples, sets] = await Promise.all([api.studies(), api.examples(), api.datasets()]);
+  const [studies, examples, sets, runs] = await Promise.all([api.studies(), api.examples(), api.datasets(), api.runs()]);
   const chosen = studies.find((s) => s.command === name) ?? null;
   const list = h(
     "ul",
@@ -25,9 +25,11 @@ export async function studiesPage(query: URLSearchParams, name: string): Promise
       ),
     ),
   );
-  const place = h("div");
+  const place = h("div", { class: "study-form" });
   const element = h("div", { class: "studies" }, h("h1", null, t("study.title")), list, place);
-  if (chosen) replace(place, form(chosen, examples, sets.map((d) => d.name), query.get("dataset")));
+  if (chosen) replace(place, form(chosen, examples, sets, recordingsOf(runs, sets), query));
+  // on a phone the form stands below a long list
+  if (chosen && window.innerWidth < 700) window.setTimeout(() => place.scrollIntoView(), 0);
   return { title: t("study.title"), element };
 }
 
@@ -87,25 +89,84 @@ function paperItems(options: OptionForm, place: HTMLElement): () => void {
   return draw;
 }
 
-function form(study: CommandForm, examples: { name: string; toml: string }[], sets: string[], given: string | null): HTMLElement {
+/** Where signals are recorded: in a run that made them, or in a file of a data set. */
+interface Recording {
+  label: string;
+  of: { run: string } | { dataset: string; file: string };
+}
+
+const recorded = /\.(ibyte|ubyte|ishort|gr_complex|cfile|iq|dat|bin|raw)$/i;
+
+function recordingsOf(runs: Run[], sets: DatasetInfo[]): Recording[] {
+  return [
+    ...runs.filter((r) => r.command === "receiver generate" && r.state === "done").map((r) => ({ label: r.title, of: { run: r.id } })),
+    ...sets.flatMap((d) => d.files.filter((f) => recorded.test(f.name)).map((f) => ({ label: `${d.name}/${f.name}`, of: { dataset: d.name, file: f.name } }))),
+  ];
+}
+
+/** The choice of a recording; that of a run says itself how it was sampled. */
+class RecordingChoice {
+  readonly element: HTMLSelectElement;
+
+  constructor(
+    private readonly all: Recording[],
+    given: string | null,
+    private readonly options: OptionForm,
+  ) {
+    this.element = h(
+      "select",
+      { "aria-label": t("study.recording"), onChange: () => void this.read() },
+      ...all.map((r, i) => h("option", { value: String(i) }, r.label)),
+    );
+    const at = all.findIndex((r) => "run" in r.of && r.of.run === given);
+    if (at >= 0) this.element.value = String(at);
+    void this.read();
+  }
+
+  get chosen(): Recording | undefined {
+    return this.all[Number(this.element.value || -1)];
+  }
+
+  private async read(): Promise<void> {
+    const of = this.chosen?.of;
+    if (!of) return;
+    const summary = "run" in of ? ((await api.run(of.run).catch(() => null))?.summary as Record<string, unknown> | null | undefined) : null;
+    if (of !== this.chosen?.of) return;
+    for (const [key, name] of [["sample-rate", "sample_rate_hz"], ["intermediate-frequency", "intermediate_frequency_hz"], ["format", "format"]] as const)
+      this.options.put(key, (summary?.[name] as Settings[string] | undefined) || undefined, false);
+    this.options.put("start", undefined);
+  }
+}
+
+function form(study: CommandForm, examples: { name: string; toml: string }[], sets: DatasetInfo[], recordings: Recording[], query: URLSearchParams): HTMLElement {
+  const given = query.get("dataset");
   const start = runButton(
     t("study.run"),
-    () => ({ command: study.command, title: title.value.trim() || study.command, settings: options.settings, ...inputOf() }),
+    () => ({ command: study.command, title: title.value.trim() || study.command, settings: options.settings, ...(recording ? { recording: recording.chosen?.of } : inputOf()) }),
     undefined,
     (order) => api.startStudy(order),
   );
-  const options = new OptionForm(study.options, () => items?.(), () => false, ["general"]);
+  const options = new OptionForm(study.options, () => (items?.(), allow()), () => false, ["general"]);
+  const obstacle = h("p", { class: "note", hidden: true });
+  let recording: RecordingChoice | null = null;
   const list = h("div");
   const items = study.command === "paper" ? paperItems(options, list) : null;
-  options.judged = (wrong) => {
-    start.disabled = wrong > 0;
-    start.title = wrong > 0 ? t("form.mend_first") : "";
+  let wrong = 0;
+  const allow = () => {
+    const missing = study.options.find((o) => o.required && !(o.key in options.settings));
+    const why = recording && !recording.chosen ? t("study.no_recording") : wrong > 0 ? t("form.mend_first") : missing ? t("study.missing", { what: labelOf(missing.key) }) : "";
+    start.disabled = why !== "";
+    start.title = why;
+    obstacle.hidden = why === "";
+    obstacle.textContent = `${t("task.not")}: ${why}`;
   };
+  options.judged = (n) => ((wrong = n), allow());
   const used: Settings = {};
   for (const o of study.options) if (o.default !== null) used[o.key] = o.default;
   options.load({ settings: {}, used, toml: "", problem: null });
   const title = h("input", { type: "text", class: "run-name", value: study.command.replace("analyze ", ""), "aria-label": t("run.title") });
-  const needs = study.input !== null && study.input !== undefined;
+  if (study.takes_recording) recording = new RecordingChoice(recordings, query.get("recording"), options);
+  const needs = study.input !== null && study.input !== undefined && !recording;
   // what a study can work on is said by its help: a scenario, a data set, or both
   const takesData = needs && /folder|data ?set|log/i.test(study.input!);
   const takesScenario = needs && /scenario/i.test(study.input!);
@@ -113,7 +174,7 @@ function form(study: CommandForm, examples: { name: string; toml: string }[], se
     "select",
     { "aria-label": t("study.input") },
     ...(takesScenario || !takesData ? examples.map((e) => h("option", { value: `example:${e.name}` }, `${t("nav.scenario")}: ${e.name}`)) : []),
-    ...(takesData ? sets.map((d) => h("option", { value: `data:${d}` }, `${t("data.title")}: ${d}`)) : []),
+    ...(takesData ? sets.map((d) => h("option", { value: `data:${d.name}` }, `${t("data.title")}: ${d.name}`)) : []),
   );
   if (given) input.value = `data:${given}`;
   const inputOf = (): Record<string, unknown> => {
@@ -122,15 +183,18 @@ function form(study: CommandForm, examples: { name: string; toml: string }[], se
     const name = rest.join(":");
     return kind === "data" ? { dataset: name } : { scenario: { toml: examples.find((e) => e.name === name)?.toml ?? "" } };
   };
-  return h(
+  const element = h(
     "section",
     { class: "card" },
     h("h2", null, study.command.replace("analyze ", "")),
-    h("p", { class: "muted" }, study.purpose),
-    h("div", { class: "bar" }, title, needs && h("label", null, t("study.input"), " ", input), start),
-    needs && h("p", { class: "muted" }, study.input ?? ""),
+    h("p", { class: "muted" }, maybe(`study.${study.command.replace("analyze ", "")}`, study.purpose)),
+    h("div", { class: "bar" }, title, needs && h("label", null, t("study.input"), " ", input), recording && h("label", null, t("study.recording"), " ", recording.element), start),
+    obstacle,
+    (needs || recording) && h("p", { class: "muted" }, maybe(`study.input.${study.command}`, study.input ?? "")),
     list,
     options.element,
     h("details", null, h("summary", null, t("study.examples")), h("pre", { class: "toml", tabIndex: 0 }, study.examples)),
   );
+  allow();
+  return element;
 }

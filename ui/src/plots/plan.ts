@@ -3,7 +3,8 @@ import { copyText, css, h, icon, saveAs } from "../dom";
 import { t } from "../i18n";
 import { colour } from "./colours";
 import { Linked, type Mark } from "./linked";
-import { TileLayer, tileZooms, type Plane } from "./tiles";
+import { graticule, type Line, type Plane } from "./graticule";
+import { TileLayer, tileZooms } from "./tiles";
 
 export interface Track2d {
   label: string;
@@ -25,6 +26,9 @@ export class PlanView {
   private centre = { east: 0, north: 0 };
   private scale = 1;
   private fitted = false;
+  private plane: Plane | null = null;
+  /** The lines that were drawn last. */
+  lines: { meridians: Line[]; parallels: Line[] } = { meridians: [], parallels: [] };
   /** A map under the tracks, where there are tiles of one. */
   tiles: TileLayer | null = null;
   private readonly paint = Linked.perFrame(() => this.draw());
@@ -107,10 +111,14 @@ export class PlanView {
     this.paint();
   }
 
-  /** Where on the Earth the plane lies: from then on a map is drawn, if there is one. */
+  /** Where on the Earth the plane lies: from then on lines of latitude and longitude are drawn, and a map if there is one. */
   async lie(plane: Plane): Promise<void> {
+    if (!Number.isFinite(plane.lat) || !Number.isFinite(plane.lon)) return;
+    if (plane.lat === this.plane?.lat && plane.lon === this.plane.lon) return;
+    this.plane = plane;
+    this.paint();
     const zooms = await tileZooms();
-    if (zooms.length === 0 || !Number.isFinite(plane.lat) || !Number.isFinite(plane.lon)) return;
+    if (zooms.length === 0) return;
     this.tiles = new TileLayer(zooms, plane, this.paint);
     this.paint();
   }
@@ -222,8 +230,7 @@ export class PlanView {
     g.setTransform(ratio, 0, 0, ratio, 0, 0);
     g.fillStyle = css("--surface");
     g.fillRect(0, 0, width, height);
-    const [halfEast, halfNorth] = [width / 2 / this.scale, height / 2 / this.scale];
-    this.tiles?.draw(g, this.scale, (e, n) => this.place(e, n), [this.centre.east - halfEast, this.centre.east + halfEast, this.centre.north - halfNorth, this.centre.north + halfNorth]);
+    this.tiles?.draw(g, this.scale, (e, n) => this.place(e, n), this.bounds_m);
     this.grid(g, width, height);
     // the first one on top
     for (const track of [...this.tracks].reverse()) if (!this.hidden.has(track.label)) this.line(g, track);
@@ -250,28 +257,60 @@ export class PlanView {
     return [1, 2, 5, 10].map((m) => m * power).find((m) => m >= raw)!;
   }
 
+  private get bounds_m(): [number, number, number, number] {
+    const [halfEast, halfNorth] = [this.canvas.clientWidth / 2 / this.scale, this.canvas.clientHeight / 2 / this.scale];
+    return [this.centre.east - halfEast, this.centre.east + halfEast, this.centre.north - halfNorth, this.centre.north + halfNorth];
+  }
+
+  /** Metres where it is not known where the plane lies, or where it covers so much that lines would be curved. */
+  private get gridLines(): { meridians: Line[]; parallels: Line[]; unit: string } {
+    const bounds = this.bounds_m;
+    const widest = 2e6;
+    if (this.plane && bounds[1] - bounds[0] < widest && bounds[3] - bounds[2] < widest) return { ...graticule(this.plane, bounds, 110 / this.scale), unit: "" };
+    const step = this.step(90),
+      unit = step >= 1000 ? 1000 : 1;
+    const lines = (low: number, high: number) => {
+      const out: Line[] = [];
+      for (let n = Math.ceil(low / step); n * step <= high; ++n) out.push({ at: n * step, label: String(Number(((n * step) / unit).toPrecision(6))) });
+      return out;
+    };
+    return { meridians: lines(bounds[0], bounds[1]), parallels: lines(bounds[2], bounds[3]), unit: step >= 1000 ? "km" : "m" };
+  }
+
   private grid(g: CanvasRenderingContext2D, width: number, height: number): void {
-    const step = this.step(90);
+    const { unit, ...lines } = this.gridLines;
+    this.lines = lines;
     g.strokeStyle = css("--grid");
     g.lineWidth = 1;
-    g.fillStyle = css("--muted");
     g.font = "11px system-ui, sans-serif";
-    const unit = step >= 1000 ? 1000 : 1,
-      name = step >= 1000 ? "km" : "m";
-    const tidy = (v: number) => String(Number((v / unit).toPrecision(6)));
-    for (let e = Math.ceil((this.centre.east - width / 2 / this.scale) / step) * step; ; e += step) {
-      const [x] = this.place(e, 0);
-      if (x > width) break;
+    // over the tiles of a map labels need a ground
+    const label = (text: string, x: number, y: number) => {
+      g.fillStyle = css("--surface");
+      if (this.tiles) g.fillRect(x - 2, y - 10, g.measureText(text).width + 4, 13);
+      g.fillStyle = css("--muted");
+      g.fillText(text, x, y);
+    };
+    for (const { at } of lines.meridians) {
+      const [x] = this.place(at, 0);
       g.beginPath(), g.moveTo(x, 0), g.lineTo(x, height), g.stroke();
-      g.fillText(tidy(e), x + 3, height - 5);
     }
-    for (let n = Math.ceil((this.centre.north - height / 2 / this.scale) / step) * step; ; n += step) {
-      const [, y] = this.place(0, n);
-      if (y < 0) break;
+    for (const { at } of lines.parallels) {
+      const [, y] = this.place(0, at);
       g.beginPath(), g.moveTo(0, y), g.lineTo(width, y), g.stroke();
-      if (y > 30) g.fillText(tidy(n), 4, y - 3);   // the unit stands above
     }
-    g.fillText(`${t("plan.axes")}, ${name}`, 4, 14);
+    // not where the scale and the arrow stand, nor in the corner of the other labels
+    const bar = this.step(110) * this.scale + 40;
+    for (const line of lines.meridians) {
+      const [x] = this.place(line.at, 0);
+      const end = x + 3 + g.measureText(line.label).width;
+      if (x >= 0 && end < width - bar) label(line.label, x + 3, height - 5);
+    }
+    for (const line of lines.parallels) {
+      const [, y] = this.place(0, line.at);
+      if (y > 30 && y < height - 20) label(line.label, 4, y - 3); // the unit stands above
+    }
+    g.fillStyle = css("--muted");
+    if (unit) g.fillText(`${t("plan.axes")}, ${unit}`, 4, 14);
     // scale bar and north
     const length = this.step(110) * this.scale;
     g.strokeStyle = g.fillStyle = css("--text");
@@ -370,7 +409,18 @@ export class PlanView {
       length = metres * this.scale;
     const bar =
       `<path d="M${width - length - 20},${height - 31}v5h${length}v-5" fill="none" stroke="#000" stroke-width="2"/>` +
-      `<text x="${width - length / 2 - 20}" y="${height - 34}" text-anchor="middle" font-family="sans-serif" font-size="12">${metres} m</text>`;
-    return `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 ${width} ${height}" width="${width}" height="${height}">${paths.join("\n")}${bar}</svg>\n`;
+      `<text x="${width - length / 2 - 20}" y="${height - 34}" text-anchor="middle" font-family="sans-serif" font-size="12">${metres >= 1000 ? `${metres / 1000} km` : `${metres} m`}</text>`;
+    const lines = this.gridLines;
+    const grid = [
+      ...lines.meridians.map(({ at, label }) => {
+        const x = this.place(at, 0)[0].toFixed(1);
+        return `<path d="M${x},0V${height}" stroke="#ccc"/><text x="${Number(x) + 3}" y="${height - 5}" font-family="sans-serif" font-size="11" fill="#555">${label}</text>`;
+      }),
+      ...lines.parallels.map(({ at, label }) => {
+        const y = this.place(0, at)[1].toFixed(1);
+        return `<path d="M0,${y}H${width}" stroke="#ccc"/><text x="4" y="${Number(y) - 3}" font-family="sans-serif" font-size="11" fill="#555">${label}</text>`;
+      }),
+    ].join("");
+    return `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 ${width} ${height}" width="${width}" height="${height}">${grid}${paths.join("\n")}${bar}</svg>\n`;
   }
 }

@@ -37,14 +37,15 @@ function nearest(seen: Seen[], time: number, reach: number): Seen | null {
 export class SkyPlot {
   readonly element = svg("svg", { viewBox: "-240 -232 480 464", class: "sky", role: "img", "aria-label": t("sky.title") });
   private readonly now = svg("g", {});
-  private readonly last: number;
+  private readonly paths = svg("g", {});
+  private sources: Source[] = [];
+  private last = 0;
 
   constructor(
-    private readonly sources: Source[],
+    sources: Source[],
     private readonly linked: Linked,
     private readonly spacing: number,
   ) {
-    this.last = Math.max(0, ...sources.map((s) => s.seen.at(-1)?.time ?? 0));
     const grid = (node: SVGElement) => (node.setAttribute("class", "sky-grid"), node);
     for (const elevation of [0, 30, 60]) {
       const r = radius * (1 - elevation / 90);
@@ -62,9 +63,15 @@ export class SkyPlot {
         svg("text", { x: x * 1.1, y: y * 1.1 + 5, class: "sky-compass", "text-anchor": "middle" }, t(`sky.${name}`)),
       );
     }
-    for (const source of sources) append(this.element, this.path(source));
-    append(this.element, this.now);
+    append(this.element, this.paths, this.now);
     linked.onCursor(() => this.mark());
+    this.show(sources);
+  }
+
+  show(sources: Source[]): void {
+    this.sources = sources;
+    this.last = Math.max(0, ...sources.map((s) => s.seen.at(-1)?.time ?? 0));
+    replace(this.paths, ...sources.filter(({ seen }) => seen.length > 1).map((source) => this.path(source)));
     this.mark();
   }
 

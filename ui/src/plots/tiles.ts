@@ -1,8 +1,8 @@
 // Tiles of a map (`schuler ui --tiles`) under a track: Web Mercator squares, drawn where the plane of the track has their corners.
 import { api } from "../api";
+import { metresOf, type Plane } from "./graticule";
 
 const radius = 6378137,
-  flat = 0.00669437999014,
   largest = 200;
 let zooms: Promise<number[]> | null = null;
 
@@ -12,12 +12,6 @@ export function tileZooms(): Promise<number[]> {
     (a) => a.tiles,
     () => [],
   ));
-}
-
-export interface Plane {
-  /** Of the point that is 0, 0. */
-  lat: number;
-  lon: number;
 }
 
 export class TileLayer {
@@ -32,12 +26,6 @@ export class TileLayer {
   /** How many tiles are there to be drawn. */
   get drawn(): number {
     return [...this.images.values()].filter((i) => i !== null).length;
-  }
-
-  private get metres(): { north: number; east: number } {
-    const phi = (this.plane.lat * Math.PI) / 180,
-      w = Math.sqrt(1 - flat * Math.sin(phi) ** 2);
-    return { north: (radius * (1 - flat)) / w ** 3, east: (radius / w) * Math.cos(phi) };
   }
 
   private image(z: number, x: number, y: number): ImageBitmap | null {
@@ -56,7 +44,7 @@ export class TileLayer {
 
   /** `place`: metres east and north to the canvas; `scale`: pixels a metre; the bounds in metres. */
   draw(g: CanvasRenderingContext2D, scale: number, place: (east: number, north: number) => [number, number], [west, east, south, north]: [number, number, number, number]): void {
-    const m = this.metres;
+    const m = metresOf(this.plane);
     const lat = (n: number) => this.plane.lat + ((n / m.north) * 180) / Math.PI,
       lon = (e: number) => this.plane.lon + ((e / m.east) * 180) / Math.PI;
     // a tile of 256 pixels is drawn at about its size; of the zooms that there are the nearest below
