@@ -142,6 +142,18 @@ TEST_F(Recognition, RotationsAndTrajectoriesAreNeverImus) {
         for (int i = 0; i < 60; ++i) rows += row(i, ",", {0.0, 0.0, 0.6, 0.8}, true);
         expect_kind("trajectory", "odometry.csv", joined(with_time("timestamp", names), ",") + "\n" + rows);
     }
+    // without a header, at the height of gravity: angles, and velocities, before the position
+    std::string hover, flight;
+    for (int i = 0; i < 60; ++i) {
+        const double t = 0.01 * i;
+        hover +=
+            fmt::format("{:.3f} {:.6f} {:.6f} {:.6f} {:.4f} {:.4f} {:.4f}\n", 100.0 + t, 0.02 * std::sin(t),
+                        -0.01 * std::cos(2.0 * t), 1.2 + 0.1 * t, 0.3 * std::sin(t), 0.2 * std::cos(t), 9.8 + 0.05 * std::sin(t));
+        flight += fmt::format("{:.3f} {:.5f} {:.5f} {:.5f} {:.4f} {:.4f} {:.4f}\n", 100.0 + t, 0.5 * std::cos(t), 0.2,
+                              0.1 * std::sin(t), 0.5 * std::sin(t), 0.2 * t, -9.8 - 0.1 * std::cos(t));
+    }
+    expect_kind("unknown", "hover.txt", hover);
+    expect_kind("unknown", "flight.txt", flight);
     std::string rows;
     for (int i = 0; i < 60; ++i) rows += row(i, ",", {0.3, 0.4, 0.5, 0.6}, false);
     expect_kind("unknown", "q.csv", "time_s,qw,qx,qy,qz\n" + rows);  // not of unit length: no rotation

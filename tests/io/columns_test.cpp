@@ -186,8 +186,25 @@ TEST(Columns, KindsAreGuessed) {
     EXPECT_EQ(guess_table_kind(layout_of({"time_s", "lat_deg", "lon_deg", "height_m", "roll_deg", "pitch_deg", "yaw_deg"})),
               TableKind::Reference);
     EXPECT_EQ(guess_table_kind(layout_of({"time_s", "baro_height_rel_m"})), TableKind::Baro);
+    EXPECT_EQ(guess_table_kind(layout_of({"time", "easting", "northing", "height"})), std::nullopt) << "of a total station";
+    EXPECT_EQ(guess_table_kind(layout_of({"time", "Position", "Altitude"})), std::nullopt);
     EXPECT_EQ(guess_table_kind(layout_of({"time_s", "mag_x_mgauss", "mag_y_mgauss", "mag_z_mgauss"})), TableKind::Mag);
     EXPECT_EQ(guess_table_kind(layout_of({"time_s", "landed"})), std::nullopt);
+}
+
+TEST(Columns, StdHIsHorizontalUnlessNorthAndEastHaveTheirOwn) {
+    for (const char* name : {"std_h_m", "std_h"}) {
+        const ColumnPlan alone = match_columns(layout_of({"time_s", "lat_deg", "lon_deg", "height_m", name}), TableKind::Gnss);
+        EXPECT_NE(alone.find("std_h_m"), nullptr) << name;
+        EXPECT_EQ(alone.find("std_d_m"), nullptr) << name;
+        const ColumnPlan beside =
+            match_columns(layout_of({"time_s", "lat_deg", "lon_deg", "height_m", "std_n_m", "std_e_m", name}), TableKind::Gnss);
+        EXPECT_EQ(beside.find("std_h_m"), nullptr) << name;
+        EXPECT_NE(beside.find("std_d_m"), nullptr) << name;
+    }
+    const ColumnPlan both = match_columns(layout_of({"time_s", "lat_deg", "lon_deg", "std_h_m", "std_d_m"}), TableKind::Gnss);
+    EXPECT_EQ(both.find("std_h_m")->column, 3);
+    EXPECT_EQ(both.find("std_d_m")->column, 4);
 }
 
 }  // namespace

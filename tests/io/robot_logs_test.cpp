@@ -135,6 +135,10 @@ TEST_F(RobotLogs, McapPlainAndCompressedIsTheSameLog) {
     expect_parts(warnings.summary().at(0), {"cut.mcap", "at byte"});
     std::string chunk = mcap_chunk(records, "zstd");
     for (std::size_t i = 100; i < 140; ++i) chunk[i] = 'x';
+    const auto partly = write("partly.mcap", mcap_magic + mcap_chunk(records, "lz4") + chunk + mcap_chunk(records, "zstd"));
+    WarningLog told;
+    EXPECT_EQ(read(partly, told).find("imu")->rows(), 80U) << "a damaged chunk costs itself";
+    expect_parts(told.summary().at(0), {"partly.mcap", "damaged", "at byte"});
     const auto damaged = write("damaged.mcap", mcap_magic + chunk);
     expect_parts(message_of([&] { (void)read(damaged, warnings); }), {"damaged.mcap", "damaged", "at byte 8"});
 }
@@ -307,6 +311,51 @@ TEST_F(RobotLogs, WhatAnImuDoesNotMeasureIsNotZero) {
     messages.finish(log, "drive.bag", warnings);
     EXPECT_TRUE(log.streams.empty());
     expect_parts(warnings.summary().at(0), {"drive.bag", "/imu", "-1"});
+}
+
+/// An Imu whose gyros or accelerometers are zero, or marked as not measured.
+std::string half_imu(std::uint32_t seconds, bool rates, bool marked) {
+    std::string m = imu_message(RosLayout::Packed, seconds, 0.5);
+    const std::size_t forces_at = m.size() - 8 * 12, rates_at = forces_at - 8 * 12, idle = rates ? forces_at : rates_at;
+    m.replace(idle, 8 * 3, std::string(8 * 3, '\0'));
+    const double none = -1.0;
+    if (marked) m.replace(idle + 8 * 3, 8, reinterpret_cast<const char*>(&none), 8);
+    return m;
+}
+
+TEST_F(RobotLogs, GyrosAndAccelerometersPublishedApartAreOneUnit) {
+    for (const bool marked : {false, true}) {
+        RosMessages messages;
+        for (std::uint32_t i = 0; i < 10; ++i) {
+            messages.add("/camera/accel/sample", "sensor_msgs/Imu", RosLayout::Packed, half_imu(100 + i, false, marked), 0);
+            messages.add("/camera/gyro/sample", "sensor_msgs/Imu", RosLayout::Packed, half_imu(100 + i, true, marked), 0);
+        }
+        WarningLog warnings;
+        StreamLog log;
+        messages.finish(log, "drive.bag", warnings);
+        EXPECT_TRUE(warnings.empty());
+        ASSERT_EQ(log.streams.size(), 1U);
+        expect_parts(log.streams[0].source, {"/camera/gyro/sample with /camera/accel/sample"});
+        ASSERT_EQ(log.streams[0].rows(), 10U);
+        EXPECT_EQ(log.streams[0].find("gyro_x_rad_s")->values[4], 0.5);
+        EXPECT_EQ(log.streams[0].find("accel_z_m_s2")->values[4], 9.81);
+    }
+}
+
+TEST_F(RobotLogs, AHalfUnitBesideAWholeOneIsLeftOut) {
+    for (const bool whole : {true, false}) {
+        RosMessages messages;
+        for (std::uint32_t i = 0; i < 10; ++i) {
+            messages.add("/a", "sensor_msgs/Imu", RosLayout::Packed, half_imu(100 + i, false, false), 0);
+            if (whole) messages.add("/b", "sensor_msgs/Imu", RosLayout::Packed, imu_message(RosLayout::Packed, 100 + i, 0.5), 0);
+        }
+        WarningLog warnings;
+        StreamLog log;
+        messages.finish(log, "drive.bag", warnings);
+        ASSERT_EQ(log.streams.size(), 1U);
+        EXPECT_EQ(log.streams[0].source, whole ? "/b" : "/a");
+        expect_parts(warnings.summary().at(0), {"drive.bag", "/a", "angular rates are all zero"});
+    }
 }
 
 TEST_F(RobotLogs, DecompressionNeverTrustsASize) {

@@ -196,6 +196,27 @@ TEST_F(DatasetTest, KfGinsProjectInOurWords) {
     EXPECT_EQ(*s.stop, Time::from_seconds(1005.0));
 }
 
+TEST_F(DatasetTest, ATableOfPositionsWithSigmasIsATrajectoryByItsColumns) {
+    write(
+        "survey.csv",
+        "time_s,lat_deg,lon_deg,height_ellipsoidal_m,std_n_m,std_e_m,std_d_m\n1,50,10,300,0.1,0.1,0.2\n2,50,10,301,0.1,0.1,0.2\n");
+    WarningLog warnings;
+    const std::vector<SolutionRow> rows = dataset::read_trajectory(folder_ / "survey.csv", warnings);
+    ASSERT_EQ(rows.size(), 2u);
+    EXPECT_EQ(rows[1].position.h, 301.0);
+}
+
+TEST_F(DatasetTest, ALogThatIsNotRecognisedIsNamedBeforeTheFolderForItsTables) {
+    write("a.ulg", "not a log at all\n");
+    try {
+        (void)app::convert_file(folder_ / "a.ulg", folder_ / "tables", {});
+        ADD_FAILURE() << "accepted";
+    } catch (const Error& e) {
+        EXPECT_NE(std::string(e.what()).find("a.ulg"), std::string::npos) << e.what();
+        EXPECT_NE(std::string(e.what()).find("recognised"), std::string::npos) << e.what();
+    }
+}
+
 TEST_F(DatasetTest, TrajectoriesOfTenColumnsAndBack) {
     write("truth.txt", "1.000 50.0 10.0 300.0 1.0 2.0 3.0 1.0 -2.0 350.0\n1.100 50.0 10.0 300.0 1.0 2.0 3.0 1.0 -2.0 350.0\n");
     WarningLog warnings;

@@ -42,6 +42,14 @@ std::optional<report::Outcome> convert_streams(const fs::path& in, const fs::pat
     const bool table = name == "csv" || (name.empty() && out.extension() == ".csv");
     if (!into_folder && (!table || where.stream.empty())) return std::nullopt;
     const io::Format* format = io::format_of(where.file);
+    if (into_folder && (format == nullptr || format->read == nullptr)) {
+        std::error_code ec;
+        const std::string what = fs::is_directory(where.file, ec) ? "is a folder"
+                                 : fs::is_empty(where.file, ec)   ? "is empty"
+                                                                  : "is no log of several instruments that is recognised";
+        throw input_error(fmt::format("{}, and \"{}\" names no file to write", what, out.string()), {in.string(), 0, 0, {}},
+                          "give one log, and the name of a file with an extension (track.gpx) or --to FORMAT");
+    }
     if (format == nullptr || format->read == nullptr) return std::nullopt;
     WarningLog warnings;
     const io::StreamLog log = format->read(io::TextInput(where.file), warnings);

@@ -73,7 +73,7 @@ bool could_be_rates(const std::vector<std::vector<double>>& c, double step, bool
 /// steadily: within a window their successive differences are small against their deviations from the mean (von Neumann's ratio).
 bool scatters(const std::vector<std::vector<double>>& c, std::size_t first) {
     constexpr std::size_t window = 10;
-    constexpr double steady = 0.25;  // 1 for white noise, 0.06 for a straight line
+    constexpr double steady = 0.15;  // 1 for white noise, 0.06 for a straight line
     std::size_t noisy = 0, varying = 0;
     for (std::size_t k = first; k < first + 6; ++k) {
         double differences = 0.0, deviations = 0.0;

@@ -94,6 +94,10 @@ std::string from_bzip2(std::string_view bytes, std::size_t size) {
 
 }  // namespace
 
+bool is_compression(std::string_view method) {
+    return method.empty() || method == "none" || method == "zstd" || method == "lz4" || method == "bz2";
+}
+
 std::string decompressed(std::string_view bytes, std::string_view method, std::size_t size) {
     if (method.empty() || method == "none") return std::string(bytes);
     if (method == "zstd") return from_zstd(bytes, size);

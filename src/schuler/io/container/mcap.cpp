@@ -128,6 +128,7 @@ private:
             try {
                 own = decompressed(packed, method, size);
             } catch (const Error& e) {
+                if (is_compression(method)) return bad(at);
                 throw input_error(fmt::format("the chunk at byte {}: {}", at, e.reason()), place_in(file_), e.hint());
             }
             records = own;
@@ -299,7 +300,7 @@ const Format mcap_format = {
     .title = "MCAP (ROS 2, Foxglove)",
     .extensions = ".mcap",
     .holds =
-        "by topic: `sensor_msgs` Imu, NavSatFix (and the twist with its stamps as its velocity), `gps_msgs` GPSFix, MagneticField, FluidPressure; `nav_msgs` Odometry and `geometry_msgs` poses as trajectories in a frame of "
+        "by topic: `sensor_msgs` Imu (gyros and accelerometers in a topic each are joined), NavSatFix (and the twist with its stamps as its velocity), `gps_msgs` GPSFix, MagneticField, FluidPressure; `nav_msgs` Odometry and `geometry_msgs` poses as trajectories in a frame of "
         "their own; zstd and LZ4. Written: NavSatFix and the attitude (body to east-north-up) as QuaternionStamped",
     .time = "UTC from 1970 (the headers' stamps), or the clock of a simulation",
     .recognise = [](const FileHead& head) { return head.starts_with(mcap_magic); },

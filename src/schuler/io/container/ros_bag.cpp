@@ -37,7 +37,7 @@ class BagReader {
 public:
     explicit BagReader(std::string file) : file_(std::move(file)) {}
     RosMessages messages;
-    std::size_t cut_at = 0;
+    std::size_t cut_at = 0, damaged_chunks = 0, first_damaged = 0;  ///< bytes from the start of the file; chunks
 
     void read(std::string_view bytes) { records(bytes, bag_magic.size(), true); }
 
@@ -85,6 +85,10 @@ private:
                     const std::string own = decompressed(data, method, detail::load<std::uint32_t>(text("size"), 0));
                     records(own, 0, false);
                 } catch (const Error& e) {
+                    if (is_compression(method)) {
+                        if (damaged_chunks++ == 0) first_damaged = at;
+                        return;
+                    }
                     throw input_error(fmt::format("the chunk at byte {}: {}", at, e.reason()), place_in(file_), e.hint());
                 }
                 return;
@@ -129,6 +133,13 @@ StreamLog read_bag(const TextInput& input, WarningLog& warnings) {
     if (reader.cut_at > 0)
         warnings.add(input.name() + " bag.cut",
                      fmt::format("{}: the bag is cut in the record at byte {}: read up to there", input.name(), reader.cut_at));
+    if (reader.damaged_chunks > 0)
+        warnings.add(input.name() + " bag.damaged",
+                     fmt::format("{}: damaged chunks, the first at byte {}: skipped", input.name(), reader.first_damaged),
+                     reader.damaged_chunks);
+    if (reader.damaged_chunks > 0 && reader.messages.topics().empty())
+        throw input_error(fmt::format("is damaged, the first time at byte {}, and nothing of use is left", reader.first_damaged),
+                          place_in(input.name()), "copy the log completely");
     return finished(input, reader.messages, warnings);
 }
 
@@ -195,7 +206,7 @@ const Format ros_bag_format = {
     .title = "ROS 1 bag",
     .extensions = ".bag",
     .holds =
-        "by topic: `sensor_msgs` Imu, NavSatFix (and the twist with its stamps as its velocity), `gps_msgs` GPSFix, MagneticField, FluidPressure; `nav_msgs` Odometry and `geometry_msgs` poses as trajectories in a frame of "
+        "by topic: `sensor_msgs` Imu (gyros and accelerometers in a topic each are joined), NavSatFix (and the twist with its stamps as its velocity), `gps_msgs` GPSFix, MagneticField, FluidPressure; `nav_msgs` Odometry and `geometry_msgs` poses as trajectories in a frame of "
         "their own; bzip2 and LZ4",
     .time = "UTC from 1970 (the headers' stamps), or the clock of a simulation",
     .recognise = [](const FileHead& head) { return head.starts_with("#ROSBAG V"); },

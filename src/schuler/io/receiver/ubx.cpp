@@ -60,7 +60,7 @@ constexpr std::array<SignalCode, 33> ubx_codes = {{
 
 class UbxReader {
 public:
-    UbxReader() : frames_(result.navigation) {}
+    explicit UbxReader(UbxContent content) : satellites_(content == UbxContent::All), frames_(result.navigation) {}
 
     void read(std::string_view bytes) {
         constexpr std::string_view sync = "\xb5\x62";
@@ -86,8 +86,8 @@ private:
     bool message(const Message& m) {
         bool good = true;
         switch (m.kind) {
-            case 0x0215: good = raw_measurements(m.payload); break;
-            case 0x0213: good = subframe(m.payload); break;
+            case 0x0215: good = !satellites_ || raw_measurements(m.payload); break;
+            case 0x0213: good = !satellites_ || subframe(m.payload); break;
             case 0x0107: good = fix(m.payload); break;
             default: ++result.records.foreign; return true;
         }
@@ -119,17 +119,26 @@ private:
         epoch.first = log.observations.size();
         for (std::size_t i = 0; i < count; ++i) measurement(p.substr(head + block * i, block));
         epoch.count = log.observations.size() - epoch.first;
-        // grouped by satellite, satellites in the order of their first signal
-        const auto begin = log.observations.begin() + static_cast<std::ptrdiff_t>(epoch.first);
-        std::vector<SatelliteId> order;
-        for (auto o = begin; o != log.observations.end(); ++o) {
-            if (std::ranges::find(order, o->satellite) == order.end()) order.push_back(o->satellite);
-        }
-        std::stable_sort(begin, log.observations.end(), [&](const auto& a, const auto& b) {
-            return std::ranges::find(order, a.satellite) < std::ranges::find(order, b.satellite);
-        });
+        group(epoch);
         log.epochs.push_back(epoch);
         return true;
+    }
+
+    /// Groups an epoch by satellite, satellites in the order of their first signal.
+    void group(const gnss::ObservationEpoch& epoch) {
+        auto& all = result.observations.observations;
+        const auto begin = all.begin() + static_cast<std::ptrdiff_t>(epoch.first);
+        order_.clear();
+        bool grouped = true;
+        for (auto o = begin; o != all.end(); ++o) {
+            if (!order_.empty() && order_.back() == o->satellite) continue;
+            if (std::ranges::find(order_, o->satellite) == order_.end()) order_.push_back(o->satellite);
+            else grouped = false;
+        }
+        if (grouped) return;
+        std::stable_sort(begin, all.end(), [&](const auto& a, const auto& b) {
+            return std::ranges::find(order_, a.satellite) < std::ranges::find(order_, b.satellite);
+        });
     }
 
     void measurement(std::string_view p) {
@@ -243,6 +252,8 @@ private:
         int lock = -1;  ///< ms; -1: none
         bool half_subtracted = false;
     };
+    bool satellites_;
+    std::vector<SatelliteId> order_;  ///< of an epoch
     std::map<std::pair<SatelliteId, Signal>, Held> held_;
     std::optional<Time> now_;
     detail::FrameCollector frames_;
@@ -250,9 +261,9 @@ private:
 
 }  // namespace
 
-UbxLog read_ubx(const TextInput& input, WarningLog& log) {
+UbxLog read_ubx(const TextInput& input, WarningLog& log, UbxContent content) {
     const std::string bytes = read_bytes(input);
-    UbxReader reader;
+    UbxReader reader(content);
     reader.read(bytes);
     UbxLog& r = reader.result;
     if (r.records.read == 0)

@@ -20,10 +20,12 @@ struct UbxLog {
     std::size_t unknown_signals = 0;    ///< measurements of unsupported satellites or signals
 };
 
+enum class UbxContent { All, Fixes };  ///< Fixes: satellites' messages are checked and counted, not decoded
+
 /// Reads a log in one pass [UBloxF9]: RXM-RAWX, RXM-SFRBX, NAV-PVT; other messages are counted as foreign, other bytes (NMEA
 /// between them) ignored. A message with a wrong checksum or length is skipped and reported with its byte offset. An epoch with
 /// an absurd week or not later than the previous one is omitted. @throws Error(Input): no UBX message, no usable one.
-[[nodiscard]] UbxLog read_ubx(const TextInput& input, WarningLog& log);
+[[nodiscard]] UbxLog read_ubx(const TextInput& input, WarningLog& log, UbxContent content = UbxContent::All);
 
 /// True if the first bytes contain a UBX message with a correct checksum. Never throws on content.
 [[nodiscard]] bool is_ubx(const TextInput& input);

@@ -220,9 +220,10 @@ Stream imu_stream(const std::array<Axis, 3>& w, const std::array<Axis, 3>& f, co
              {"gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s", "accel_x_m_s2", "accel_y_m_s2", "accel_z_m_s2"});
     const std::vector<double>& time = w[0].time;
     std::array<std::vector<double>, 6> v;
+    const auto at_these = [&](const Axis& a) { return a.time == time ? a.value : interpolated(time, a.time, a.value, 0.2); };
     for (std::size_t k = 0; k < 3; ++k) {
-        v[k] = interpolated(time, w[k].time, w[k].value, 0.2);
-        v[k + 3] = interpolated(time, f[k].time, f[k].value, 0.2);
+        v[k] = at_these(w[k]);
+        v[k + 3] = at_these(f[k]);
     }
     for (std::size_t i = 0; i < time.size(); ++i)
         s.add(clock.ns(time[i]), {v[0][i], v[1][i], v[2][i], v[3][i], v[4][i], v[5][i]});
@@ -239,7 +240,7 @@ StreamLog ubx_streams(const TextInput& input, WarningLog& warnings) {
     HeightKind height = HeightKind::Ellipsoidal;
     std::string source = "NAV-PVT";
     try {
-        fixes = read_ubx(content, warnings).fixes;
+        fixes = read_ubx(content, warnings, UbxContent::Fixes).fixes;
     } catch (const Error&) {
         // a log of the sensors alone has no other content
     }

@@ -425,6 +425,17 @@ bool is_own_frame(const TableLayout& layout) {
     return std::ranges::none_of(words, [](const std::string& word) { return word == "enu" || word == "ned"; });
 }
 
+/// Names of other coordinates: a height beside them is that of a place.
+static bool names_a_place(const TableLayout& layout) {
+    static constexpr std::string_view coordinates[] = {"easting",  "northing", "east",     "north",
+                                                       "position", "latitude", "longitude"};
+    return std::ranges::any_of(layout.names, [](const std::string& name) {
+        return std::ranges::any_of(words_of_name(name), [](const std::string& word) {
+            return std::ranges::find(coordinates, word) != std::end(coordinates);
+        });
+    });
+}
+
 std::optional<TableKind> guess_table_kind(const TableLayout& layout) {
     if (says_command(words_of_name(std::filesystem::path(layout.file).stem().string()))) return std::nullopt;
     const auto commanded = [](const ColumnPlan& plan, std::string_view name) {
@@ -461,7 +472,8 @@ std::optional<TableKind> guess_table_kind(const TableLayout& layout) {
         return is_estimate(match_columns(layout, TableKind::Gnss).find("lat_deg")->file_name) ? TableKind::Reference
                                                                                               : TableKind::Gnss;
     if (complete(TableKind::Mag, {"time_s", "mag_x_ut", "mag_y_ut", "mag_z_ut"})) return TableKind::Mag;
-    if (complete(TableKind::Baro, {"time_s", "height_m"}) || complete(TableKind::Baro, {"time_s", "pressure_pa"}))
+    if ((complete(TableKind::Baro, {"time_s", "height_m"}) && !names_a_place(layout)) ||
+        complete(TableKind::Baro, {"time_s", "pressure_pa"}))
         return TableKind::Baro;
     return std::nullopt;
 }

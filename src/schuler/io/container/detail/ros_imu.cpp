@@ -99,7 +99,7 @@ void complete_imus(std::map<std::string, Stream>& streams, const std::string& fi
         const bool is_left_out = whole || marked;
         warnings.add(file + " ros.half " + topic,
                      fmt::format("{}: {}: its {} are {}{}", file, topic, no_forces ? "accelerations" : "angular rates",
-                                 marked ? "marked as not measured" : "all zero", is_left_out ? ": left out" : ""));
+                                 marked ? "marked as not measured (covariance -1)" : "all zero", is_left_out ? ": left out" : ""));
         if (is_left_out) streams.erase(topic);
     }
 }
