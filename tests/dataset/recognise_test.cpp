@@ -3,6 +3,7 @@
 
 #include "schuler/core/error.h"
 
+#include "io/log_bytes.h"
 #include "support/temporary_folder.h"
 
 #include <fmt/format.h>
@@ -46,6 +47,30 @@ TEST(Missing, ASolutionIsNoLogOfAnImu) {
                       std::string::npos)
                 << e.what();
         }
+    }
+}
+
+/// A log whose inertial unit is not named: the reader's reason is said, not that its solution is none.
+TEST(Missing, WhyTheRawImuOfALogIsNotUsedIsSaid) {
+    const schuler::test::TemporaryFolder folder("Missing_RawImu");
+    const auto log = [](const std::string& name, double tow, const std::string& content) {
+        const std::string text =
+            fmt::format("{},COM1,0,83.5,FINESTEERING,2244,{:.3f},02000000,cdba,16809;{}", name, tow, content);
+        return fmt::format("#{}*{:08x}\r\n", text, io::test::novatel_crc(text));
+    };
+    std::ofstream out(folder.path() / "span.gps");
+    for (int i = 0; i < 100; ++i)
+        out << log("RAWIMUA", 100.0 + i, fmt::format("2244,{}.005,00000077,98067,0,0,0,0,0", 100 + i))
+            << log("BESTPOSA", 100.0 + i,
+                   "SOL_COMPUTED,SINGLE,51.1,-114.0,1000.0,-16.0,WGS84,0.5,0.5,1.0,\"\",0.0,0.0,20,18,18,0,00,00,00,11")
+            << log("INSPVAA", 100.0 + i,
+                   fmt::format("2244,{}.0,51.1,-114.0,1000.0,0.1,0.2,0.0,0.5,1.5,{}.0,INS_SOLUTION_GOOD", 100 + i, i));
+    out.close();
+    try {
+        (void)recognise(folder.path(), Needs::ImuAndGnss, {});
+        ADD_FAILURE() << "no Error was thrown";
+    } catch (const Error& e) {
+        EXPECT_NE(std::string(e.what()).find("RAWIMU does not state the type of its IMU"), std::string::npos) << e.what();
     }
 }
 

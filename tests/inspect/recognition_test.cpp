@@ -226,6 +226,18 @@ TEST_F(Recognition, TablesOfKfGinsByTheirValues) {
     expect_kind("imu", "rates.txt", table("", " ", 0.01, 0.0, 60, {0.01, -0.02, 0.03, 0.1, 0.2, -9.8}));
 }
 
+TEST_F(Recognition, NanosecondsOfAnEpochAreAComputersClock) {
+    std::string rows =
+        "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],a_RS_S_x [m s^-2],a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n";
+    for (int i = 0; i < 400; ++i)
+        rows += fmt::format("{},{:.4f},0.01,0.02,9.8,{:.3f},-3.2\n", 1403636579758555392LL + 5'000'000LL * i, 1e-3 * (i % 7),
+                            1e-2 * (i % 5));
+    const InspectReport report = inspect(write("imu0.csv", rows));
+    const auto scale = std::ranges::find(report.facts, "time.scale", &Fact::key);
+    ASSERT_NE(scale, report.facts.end());
+    EXPECT_EQ(to_text(scale->value), "\"utc\"");
+}
+
 TEST_F(Recognition, UnitsOfTimeByTheSteps) {
     const std::string header = "t,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2";
     for (const double rate : {50.0, 100.0, 250.0, 400.0, 1000.0, 2000.0}) {

@@ -37,6 +37,11 @@ void refuse_trajectory(const fs::path& folder, const inspect::InspectReport& rep
             file.problems, [](const inspect::Problem& p) { return p.text.find("not taken for fixes") != std::string::npos; });
         if (kind == "gnss" && solution != file.problems.end())
             throw input_error(solution->text, {(folder / file.path).string(), 0, 0, {}}, solution->hint);
+        const auto left = std::ranges::find_if(
+            file.problems, [](const inspect::Problem& p) { return p.text.find("raw IMU logs are") != std::string::npos; });
+        if (kind == "imu" && left != file.problems.end())
+            throw input_error(left->text.substr(left->text.find("the raw IMU logs")), {(folder / file.path).string(), 0, 0, {}},
+                              left->hint);
         if (file.chosen || (file.kind != "unknown" && file.kind != kind && !unread)) continue;
         for (const inspect::Problem& problem : file.problems) {
             if (problem.level == inspect::Level::Info) continue;

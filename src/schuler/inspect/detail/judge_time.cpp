@@ -34,6 +34,9 @@ Scale scale_of(const LoadedFile& file) {
     if (file.gps_time) return {"gps", 1.0, "dated GPS times"};
     if (name_says(file, {"utc", "unix"})) return {"utc", 0.9, "the column's name"};
     if (t > 1.55e9 && t < 4e9) return {"utc", 0.8, fmt::format("{:.0f} s counts from 1970: the clock of a computer", t)};
+    const io::ColumnMatch* time = file.plan.find("time_s");
+    if (t > 1.0e9 && t < 4e9 && time != nullptr && time->time_unit == io::TimeUnit::Nanoseconds)
+        return {"utc", 0.7, "nanoseconds from 1970: the clock of a computer"};
     if (t > 1.0e9 && t < 4e9) return {"gps", 0.5, fmt::format("{:.0f} s could count from 1980 (GPS) or from 1970 (UTC)", t)};
     if (name_says(file, {"gps", "tow", "itow", "sow"})) return {"gps", 0.95, "the column's name"};
     if (t >= 5000.0 && file.report.stop_s < 1.1 * week)
