@@ -50,9 +50,8 @@ std::vector<SolutionRow> rows_of(const std::vector<ReferenceSample>& samples) {
 /// A solution as Schuler writes it: other tables have sigmas too, but their columns are recognised, not named.
 bool is_solution(const io::TextInput& input) {
     const io::TableLayout layout = io::inspect_table(input);
-    return std::ranges::all_of(std::array{"time_s", "lat_deg", "lon_deg", "height_m", "std_n_m"}, [&](const char* name) {
-        return std::ranges::find(layout.names, name) != layout.names.end();
-    });
+    return std::ranges::all_of(std::array{"time_s", "lat_deg", "lon_deg", "height_m", "std_n_m"},
+                               [&](const char* name) { return std::ranges::find(layout.names, name) != layout.names.end(); });
 }
 
 /// The stream of a log that is a trajectory: the named one, a solution or a reference with positions, else the fixes.

@@ -97,9 +97,10 @@ void complete_imus(std::map<std::string, Stream>& streams, const std::string& fi
         const bool marked = std::ranges::any_of(s.columns[idle].values, [](double v) { return std::isnan(v); });
         // a robot that never turns, in a simulation without noise, has zeros too
         const bool is_left_out = whole || marked;
-        warnings.add(file + " ros.half " + topic,
-                     fmt::format("{}: {}: its {} are {}{}", file, topic, no_forces ? "accelerations" : "angular rates",
-                                 marked ? "marked as not measured (covariance -1)" : "all zero", is_left_out ? ": left out" : ""));
+        warnings.add(
+            file + " ros.half " + topic,
+            fmt::format("{}: {}: its {} are {}{}", file, topic, no_forces ? "accelerations" : "angular rates",
+                        marked ? "marked as not measured (covariance -1)" : "all zero", is_left_out ? ": left out" : ""));
         if (is_left_out) streams.erase(topic);
     }
 }
