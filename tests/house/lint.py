@@ -19,7 +19,7 @@ LIBRARIES = [
     (r"GeographicLib/", "GeographicLib"), (r"hdf5|H5", "HDF5"), (r"matio", "matio"), (r"sqlite3\.h", "SQLite"), (r"zstd\.h", "zstd"), (r"lz4frame\.h", "LZ4"), (r"bzlib\.h", "bzip2"), (r"yaml-cpp/", "yaml-cpp"), (r"zlib\.h", "zlib"),
     (r"fast_float/", "fast_float"), (r"toml\+\+/|toml\.hpp", "toml++"), (r"nlohmann/", "nlohmann-json"),
     (r"CLI/", "CLI11"), (r"boost/multiprecision/", "Boost.Multiprecision"),
-    (r"boost/math/", "Boost.Math"), (r"mpi\.h", "MPI"), (r"httplib\.h", "cpp-httplib"), (r"linux/", "Linux"),
+    (r"boost/math/", "Boost.Math"), (r"mpi\.h", "MPI"), (r"httplib\.h", "cpp-httplib"), (r"linux/|malloc\.h", "Linux"),
     (r"(sys|netinet|arpa)/|(unistd|fcntl|poll|termios|signal|netdb)\.h", "POSIX"),
 ]
 EVERYWHERE = {"Eigen", "fmt"}
