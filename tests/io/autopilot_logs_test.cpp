@@ -174,6 +174,28 @@ TEST_F(AutopilotLogs, DataflashGivesEveryInstrumentWithItsUnits) {
     EXPECT_NEAR(at(*log.find("reference"), "onboard_heading_deg", 0), 90.0, 1e-9);
 }
 
+TEST_F(AutopilotLogs, ACutDataflashIsReadUpToThere) {
+    const std::string whole = sample_dataflash();
+    WarningLog warnings;
+    EXPECT_EQ(read("cut.bin", whole.substr(0, whole.size() - 5), warnings).find("imu")->rows(), 100U);
+    ASSERT_EQ(warnings.summary().size(), 1U);
+    expect_parts(warnings.summary()[0], {"cut.bin", "is cut in the message at byte"});
+}
+
+/// Names beyond the 64 characters of a definition are not in the log; those before them are.
+TEST_F(AutopilotLogs, AMessageWithMoreNumbersThanNamesIsRead) {
+    test::Dataflash log;
+    log.define(1, "IMU", "QBfffffff", "TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ");
+    for (std::uint64_t i = 0; i < 50; ++i)
+        log.data(1, 1'000'000 + 20'000 * i, std::uint8_t{0}, 0.1F, 0.2F, 0.3F, 1.0F, 2.0F, -9.8F, 7.0F);
+    WarningLog warnings;
+    const StreamLog read_log = read("long.bin", log.bytes(), warnings);
+    const Stream* imu = read_log.find("imu");
+    ASSERT_NE(imu, nullptr);
+    EXPECT_EQ(imu->rows(), 50U);
+    EXPECT_NEAR(at(*imu, "accel_z_m_s2", 3), -9.8, 1e-6);
+}
+
 TEST_F(AutopilotLogs, DataflashAsTextIsTheSameLog) {
     WarningLog warnings;
     const StreamLog log = read(

@@ -1,6 +1,7 @@
 #include "schuler/settings/dataset.h"
 #include "schuler/app/commands.h"
 #include "schuler/dataset/trajectory_file.h"
+#include "schuler/io/formats.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/settings/kfgins_settings.h"
 #include "schuler/settings/toml_file.h"
@@ -204,6 +205,49 @@ TEST_F(DatasetTest, ATableOfPositionsWithSigmasIsATrajectoryByItsColumns) {
     const std::vector<SolutionRow> rows = dataset::read_trajectory(folder_ / "survey.csv", warnings);
     ASSERT_EQ(rows.size(), 2u);
     EXPECT_EQ(rows[1].position.h, 301.0);
+}
+
+TEST_F(DatasetTest, FixesWithoutNamesAreATrajectoryAndSamplesAreNot) {
+    std::string fixes, samples;
+    for (int i = 0; i < 60; ++i) {
+        fixes += std::to_string(100 + i) + " 30.4 114.4 20.5 0.01 0.02 0.03\n";
+        samples += std::to_string(100.0 + 0.005 * i) + " 0.0 0.0 " + std::to_string(1e-6 * (i % 5)) + " 0.0 0.0 -0.049\n";
+    }
+    write("gnss.pos", fixes);
+    write("imu.txt", samples);
+    WarningLog warnings;
+    const std::vector<SolutionRow> rows = dataset::read_trajectory(folder_ / "gnss.pos", warnings);
+    ASSERT_EQ(rows.size(), 60u);
+    EXPECT_NEAR(rows[0].position.lon, 114.4 * M_PI / 180, 1e-14);
+    EXPECT_EQ(rows[0].std_position.z(), 0.03);
+    EXPECT_THROW((void)dataset::read_trajectory(folder_ / "imu.txt", warnings), Error);
+}
+
+TEST_F(DatasetTest, ASolutionComesBackFromMcapWhole) {
+    std::vector<SolutionRow> rows;
+    for (int i = 0; i < 100; ++i) {
+        SolutionRow r;
+        r.time = Time::from_seconds(1'391'200'000.0 + 0.1 * i);
+        r.position = {0.8 + 1.25e-6 * i, 0.2, 300.0};  // 80 m/s to the north
+        r.v_eb_n = {80.0, 0.5, -0.25};
+        r.rpy = {0.1, -0.05, 0.02 * i};
+        r.std_position = {0.1, 0.2, 0.3};
+        r.std_velocity = {0.01, 0.02, 0.03};
+        r.std_rpy = not_given3();
+        rows.push_back(r);
+    }
+    io::format_named("mcap")->write(folder_ / "a.mcap", rows, "a");
+    WarningLog warnings;
+    const std::vector<SolutionRow> back = dataset::read_trajectory(folder_ / "a.mcap", warnings);
+    EXPECT_TRUE(warnings.empty());
+    ASSERT_EQ(back.size(), rows.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        EXPECT_NEAR(back[i].position.lat, rows[i].position.lat, 1e-14);
+        EXPECT_NEAR((back[i].v_eb_n - rows[i].v_eb_n).norm(), 0.0, 1e-12);
+        EXPECT_NEAR((back[i].rpy - rows[i].rpy).norm(), 0.0, 1e-12);
+        EXPECT_NEAR((back[i].std_position - rows[i].std_position).norm(), 0.0, 1e-12);
+        EXPECT_NEAR((back[i].std_velocity - rows[i].std_velocity).norm(), 0.0, 1e-12);
+    }
 }
 
 TEST_F(DatasetTest, ALogThatIsNotRecognisedIsNamedBeforeTheFolderForItsTables) {

@@ -1,8 +1,10 @@
 #include "schuler/dataset/trajectory_file.h"
 
 #include "schuler/core/error.h"
+#include "schuler/inspect/inspect.h"
 #include "schuler/io/formats.h"
 #include "schuler/io/receiver/nmea.h"
+#include "schuler/io/solution/kfgins.h"
 #include "schuler/io/solution/rtklib_pos.h"
 #include "schuler/io/solution/solution_csv.h"
 #include "schuler/io/text/table.h"
@@ -75,6 +77,20 @@ const io::Stream& trajectory_of(const io::StreamLog& log, const io::StreamPath& 
                       "it holds " + names + "; a stream is named by FILE#STREAM, an instrument converted to a table: --to csv");
 }
 
+/// References have no sigmas; those of a solution stand in further columns of its stream.
+void add_sigmas(std::vector<SolutionRow>& rows, const io::Stream& stream) {
+    if (rows.size() != stream.rows()) return;
+    const auto fill = [&](std::array<const char*, 3> names, Eigen::Vector3d SolutionRow::*part) {
+        for (int k = 0; k < 3; ++k) {
+            const io::Stream::Column* column = stream.find(names[static_cast<std::size_t>(k)]);
+            for (std::size_t i = 0; column != nullptr && i < rows.size(); ++i)
+                if (rows[i].time.ns == stream.time_ns[i]) (rows[i].*part)(k) = column->values[i];
+        }
+    };
+    fill({"std_n_m", "std_e_m", "std_d_m"}, &SolutionRow::std_position);
+    fill({"std_vn_m_s", "std_ve_m_s", "std_vd_m_s"}, &SolutionRow::std_velocity);
+}
+
 std::vector<SolutionRow> read_stream_rows(const io::StreamPath& where, const io::Format& format, WarningLog& warnings) {
     const io::StreamLog log = format.read(io::TextInput(where.file), warnings);
     const io::Stream& stream = trajectory_of(log, where);
@@ -82,7 +98,16 @@ std::vector<SolutionRow> read_stream_rows(const io::StreamPath& where, const io:
     const io::TextInput table = io::TextInput::memory(text, where.file.string() + "#" + stream.name);
     if (stream.kind == io::TableKind::Gnss) return rows_of(io::read_gnss_csv(table, {}, warnings).fixes);
     if (is_solution(table)) return io::read_solution_csv(table, warnings);
-    return rows_of(read_reference(table, {}, warnings));
+    std::vector<SolutionRow> rows = rows_of(read_reference(table, {}, warnings));
+    add_sigmas(rows, stream);
+    return rows;
+}
+
+/// Fixes in the format of KF-GINS, which have no names: by their values, as samples of an IMU have as many columns.
+bool is_kfgins_gnss(const io::TextInput& input, const fs::path& file) {
+    if (!is_bare_table(input, {}, 7) && !is_bare_table(input, {}, 13)) return false;
+    const inspect::InspectReport report = inspect::inspect(file);
+    return !report.files.empty() && report.files.front().kind == "kfgins_gnss";
 }
 
 std::vector<SolutionRow> read_rows(const fs::path& file, WarningLog& warnings) {
@@ -94,6 +119,7 @@ std::vector<SolutionRow> read_rows(const fs::path& file, WarningLog& warnings) {
     if (io::is_rtklib_pos(input)) return rows_of(io::read_rtklib_pos(input, warnings).fixes);
     if (io::is_nmea(input)) return rows_of(io::read_nmea(input, warnings).fixes);
     if (is_solution(input)) return io::read_solution_csv(input, warnings);
+    if (is_kfgins_gnss(input, file)) return rows_of(io::read_kfgins_gnss(input, warnings).fixes);
     return rows_of(read_reference(input, {}, warnings));
 }
 

@@ -146,6 +146,7 @@ public:
     Tables tables;
     std::set<std::string> names;
     std::size_t damaged = 0, first_damaged = 0, messages = 0;
+    std::size_t cut_at = 0;  ///< byte of an incomplete last message; 0: none
 
     void read() {
         messages_[format_type] = Tables::message("FMT", "BBnNZ", {"Type", "Length", "Name", "Format", "Columns"});
@@ -160,7 +161,7 @@ public:
                 continue;
             }
             if (at + length > bytes_.size()) {
-                if (damaged++ == 0) first_damaged = at;  // the log is truncated in it
+                cut_at = at;
                 return;
             }
             ++messages;
@@ -192,7 +193,7 @@ private:
         const std::string name = text(body.substr(2, 4));
         names.insert(name);
         Tables::Message m = Tables::message(name, text(body.substr(6, 16)), trimmed_parts(text(body.substr(22, 64))));
-        m.wanted = m.wanted && m.size + header_size <= length && m.types.size() == m.fields.size();
+        m.wanted = m.wanted && m.size + header_size <= length && m.types.size() >= m.fields.size();  // names may be cut
         lengths_[type] = length;
         const std::optional<Tables::Message>& before = messages_[type];
         // a log of several boots repeats its message definitions: the same tables are continued
@@ -209,7 +210,7 @@ private:
             instance = static_cast<int>(number_at(body.data() + m.offsets[i], m.types[i]));
         }
         RawTable& t = tables.table(m, instance);
-        for (std::size_t i = 0; i < m.types.size(); ++i)
+        for (std::size_t i = 0; i < m.fields.size(); ++i)
             t.values[i].push_back(is_number(m.types[i]) ? number_at(body.data() + m.offsets[i], m.types[i]) : std::nan(""));
     }
 
@@ -235,6 +236,9 @@ StreamLog read_binary(const TextInput& input, const std::string& bytes, WarningL
         warnings.add(input.name() + " dataflash.damaged",
                      fmt::format("{}: damaged messages, the first at byte {}: skipped", input.name(), reader.first_damaged),
                      reader.damaged);
+    if (reader.cut_at > 0)
+        warnings.add(input.name() + " dataflash.cut",
+                     fmt::format("{}: the log is cut in the message at byte {}: read up to there", input.name(), reader.cut_at));
     return finished(input, std::move(reader.tables), reader.names);
 }
 

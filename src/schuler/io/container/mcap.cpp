@@ -253,6 +253,14 @@ void write_mcap(const std::filesystem::path& path, std::span<const SolutionRow> 
         "std_msgs/Header header\ngeometry_msgs/Quaternion quaternion\n================================================================================\n"
         "MSG: geometry_msgs/Quaternion\nfloat64 x\nfloat64 y\nfloat64 z\nfloat64 w\n" +
             std::string(header_definition));
+    define(
+        out, 3, "/velocity", "geometry_msgs/msg/TwistWithCovarianceStamped",
+        "std_msgs/Header header\ngeometry_msgs/TwistWithCovariance twist\n================================================================================\n"
+        "MSG: geometry_msgs/TwistWithCovariance\ngeometry_msgs/Twist twist\nfloat64[36] covariance\n"
+        "================================================================================\nMSG: geometry_msgs/Twist\ngeometry_msgs/Vector3 linear\n"
+        "geometry_msgs/Vector3 angular\n================================================================================\nMSG: geometry_msgs/Vector3\n"
+        "float64 x\nfloat64 y\nfloat64 z\n" +
+            std::string(header_definition));
     std::uint32_t number = 0;
     for (const SolutionRow& r : rows) {
         const std::int64_t utc_seconds = r.time.ns / 1'000'000'000;
@@ -278,6 +286,15 @@ void write_mcap(const std::filesystem::path& path, std::span<const SolutionRow> 
             attitude.header(ns, "enu").put(q.x()).put(q.y()).put(q.z()).put(q.w());
             message(out, 2, number, ns, attitude.bytes());
         }
+        if (r.v_eb_n.allFinite()) {
+            const Eigen::Vector3d &v = r.v_eb_n, &std_v = r.std_velocity;
+            const std::array<double, 3> variance{std_v.y() * std_v.y(), std_v.x() * std_v.x(), std_v.z() * std_v.z()};
+            Cdr velocity;
+            velocity.header(ns, "enu").put(v.y()).put(v.x()).put(-v.z()).put(0.0).put(0.0).put(0.0);
+            for (std::size_t i = 0; i < 36; ++i)
+                velocity.put(i % 7 == 0 && i < 21 && std::isfinite(variance[i / 7]) ? variance[i / 7] : 0.0);
+            message(out, 3, number, ns, velocity.bytes());
+        }
         ++number;
     }
     std::string end;
@@ -301,7 +318,7 @@ const Format mcap_format = {
     .extensions = ".mcap",
     .holds =
         "by topic: `sensor_msgs` Imu (gyros and accelerometers in a topic each are joined), NavSatFix (and the twist with its stamps as its velocity), `gps_msgs` GPSFix, MagneticField, FluidPressure; `nav_msgs` Odometry and `geometry_msgs` poses as trajectories in a frame of "
-        "their own; zstd and LZ4. Written: NavSatFix and the attitude (body to east-north-up) as QuaternionStamped",
+        "their own; zstd and LZ4. Written: NavSatFix, the attitude (body to east-north-up) as QuaternionStamped and the velocity (east, north, up) as TwistWithCovarianceStamped, and so read back",
     .time = "UTC from 1970 (the headers' stamps), or the clock of a simulation",
     .recognise = [](const FileHead& head) { return head.starts_with(mcap_magic); },
     .read = read_mcap,

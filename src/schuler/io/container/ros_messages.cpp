@@ -47,13 +47,15 @@ public:
         at_ += size;
         return value;
     }
-    /// Time of a header, ns since 1970; its frame is skipped.
+    /// Time of a header, ns since 1970.
     std::int64_t header() {
         if (!cdr_) (void)number<std::uint32_t>();  // ROS 1 headers start with a counter
         const auto seconds = number<std::uint32_t>(), ns = number<std::uint32_t>();
-        (void)text();
+        frame_ = text();
         return std::int64_t{seconds} * 1'000'000'000 + ns;
     }
+    /// True if the frame of the header is by its name that of east, north and up.
+    [[nodiscard]] bool is_in_enu() const { return frame_.substr(0, frame_.find('\0')) == "enu"; }
     /// Skips a list of 32-bit numbers.
     void pass_list() {
         for (auto left = number<std::uint32_t>(); left > 0; --left) (void)number<std::int32_t>();
@@ -66,7 +68,7 @@ public:
     }
 
 private:
-    std::string_view bytes_;
+    std::string_view bytes_, frame_;
     std::size_t at_ = 0, start_ = 0;
     bool cdr_, swapped_ = false;
 };
@@ -81,6 +83,7 @@ enum class Type {
     Pose,
     PoseWithCovariance,
     Transform,
+    Quaternion,
     Twist,
     TwistWithCovariance,
     GpsFix
@@ -101,6 +104,7 @@ Type type_of(std::string_view name) {
         return message == "PoseStamped"                  ? Type::Pose
                : message == "PoseWithCovarianceStamped"  ? Type::PoseWithCovariance
                : message == "TransformStamped"           ? Type::Transform
+               : message == "QuaternionStamped"          ? Type::Quaternion
                : message == "TwistStamped"               ? Type::Twist
                : message == "TwistWithCovarianceStamped" ? Type::TwistWithCovariance
                                                          : Type::None;
@@ -126,6 +130,11 @@ Stream stream_for(Type type, const std::string& topic) {
                      "std_vn_m_s", "std_ve_m_s", "std_vd_m_s", "satellites"}};
         case Type::Field: return {"mag", TableKind::Mag, topic, {"mag_x_ut", "mag_y_ut", "mag_z_ut"}};
         case Type::Pressure: return {"baro", TableKind::Baro, topic, {"pressure_pa"}};
+        case Type::Quaternion:
+            return {std::string(detail::ros_attitude),
+                    TableKind::Reference,
+                    topic,
+                    {"quat_sensor_to_enu_w", "quat_sensor_to_enu_x", "quat_sensor_to_enu_y", "quat_sensor_to_enu_z"}};
         case Type::Twist:
         case Type::TwistWithCovariance:
             return {std::string(detail::ros_twist),
@@ -212,6 +221,9 @@ bool add_row(Stream& s, Type type, Reader& r, std::int64_t logged) {
         s.add(t, {r.number<double>()});
     } else if (type == Type::GpsFix) {
         add_gps_fix(s, r, t);
+    } else if (type == Type::Quaternion) {
+        const auto q = r.doubles<4>();  // x, y, z, w
+        s.add(t, {q[3], q[0], q[1], q[2]});
     } else if (type == Type::Twist || type == Type::TwistWithCovariance) {
         const auto v = r.doubles<3>();
         (void)r.doubles<3>();  // angular
@@ -222,6 +234,7 @@ bool add_row(Stream& s, Type type, Reader& r, std::int64_t logged) {
             for (std::size_t i = 0; i < 3; ++i)
                 if (c[7 * i] > 0.0) sigma[i] = std::sqrt(c[7 * i]);
         }
+        if (r.is_in_enu()) s.name = detail::ros_twist_enu;
         s.add(t, {v[0], v[1], v[2], sigma[0], sigma[1], sigma[2]});
     } else {
         if (type == Type::Odometry || type == Type::Transform) (void)r.text();
@@ -261,12 +274,15 @@ void RosMessages::finish(StreamLog& log, const std::string& file, WarningLog& wa
                      count);
     }
     for (auto& [topic, stream] : streams_) {
-        if (stream.name == detail::ros_twist) continue;
+        if (detail::is_of_a_fix(stream)) continue;
+        std::optional<Stream> solution;
         if (stream.kind == TableKind::Gnss && stream.rows() > 0) {
             if (stream.find("vel_n_m_s") == nullptr) detail::join_velocities(stream, streams_, file, warnings);
             detail::leave_out_zero_velocities(stream);
+            solution = detail::with_attitude(stream, streams_);
         }
         log.add(std::move(stream));
+        if (solution) log.add(std::move(*solution));
     }
     // a simulation, or a log without a set clock, counts from its start
     constexpr std::int64_t year_2000 = 946'684'800'000'000'000;

@@ -84,6 +84,7 @@ Fit fit_of(const Stream& gnss, const Stream& twist) {
     const double share = static_cast<double>(found) / static_cast<double>(gnss.rows());
     if (share < some) return Fit::None;
     if (share < least_share) return Fit::Unclear;
+    if (twist.name == ros_twist_enu) return Fit::Fits;
     if (length < least_length || !(squares > 0.0)) return fastest < at_rest ? Fit::Fits : Fit::Unclear;
     return off < agrees * squares ? Fit::Fits : off > contradicts * squares ? Fit::Contradicts : Fit::Unclear;
 }
@@ -107,7 +108,7 @@ void join(Stream& gnss, const Stream& twist) {
 
 void join_velocities(Stream& gnss, const std::map<std::string, Stream>& streams, const std::string& file, WarningLog& warnings) {
     for (const auto& [topic, twist] : streams) {
-        if (twist.name != ros_twist || twist.rows() == 0) continue;
+        if ((twist.name != ros_twist && twist.name != ros_twist_enu) || twist.rows() == 0) continue;
         const Fit fit = fit_of(gnss, twist);
         if (fit == Fit::Fits) return join(gnss, twist);
         if (fit == Fit::None) continue;
@@ -117,6 +118,31 @@ void join_velocities(Stream& gnss, const std::map<std::string, Stream>& streams,
                                      ? "is not their velocity to the east, north and up"
                                      : "whether it is their velocity does not show (few of the times, or too little motion)"));
     }
+}
+
+std::optional<Stream> with_attitude(const Stream& gnss, const std::map<std::string, Stream>& streams) {
+    constexpr double least_share = 0.9;  // of the fixes
+    for (const auto& [topic, attitude] : streams) {
+        if (attitude.name != ros_attitude || attitude.rows() == 0) continue;
+        const RowsByTime rows(attitude.time_ns);
+        Stream s = gnss;
+        s.name = "solution";
+        s.kind = TableKind::Reference;
+        s.source += " with " + attitude.source;
+        s.fix.clear();
+        const std::size_t first = s.columns.size();
+        for (const Stream::Column& c : attitude.columns) s.columns.push_back({c.name, std::vector<double>(s.rows(), not_given)});
+        std::size_t found = 0;
+        for (std::size_t i = 0; i < s.rows(); ++i) {
+            const std::optional<std::size_t> row = rows.at(s.time_ns[i]);
+            if (!row) continue;
+            ++found;
+            for (std::size_t k = 0; k < attitude.columns.size(); ++k)
+                s.columns[first + k].values[i] = attitude.columns[k].values[*row];
+        }
+        if (static_cast<double>(found) >= least_share * static_cast<double>(s.rows())) return s;
+    }
+    return std::nullopt;
 }
 
 void leave_out_zero_velocities(Stream& gnss) {
