@@ -61,8 +61,6 @@ TEST(Missing, WhyTheRawImuOfALogIsNotUsedIsSaid) {
     std::ofstream out(folder.path() / "span.gps");
     for (int i = 0; i < 100; ++i)
         out << log("RAWIMUA", 100.0 + i, fmt::format("2244,{}.005,00000077,98067,0,0,0,0,0", 100 + i))
-            << log("BESTPOSA", 100.0 + i,
-                   "SOL_COMPUTED,SINGLE,51.1,-114.0,1000.0,-16.0,WGS84,0.5,0.5,1.0,\"\",0.0,0.0,20,18,18,0,00,00,00,11")
             << log("INSPVAA", 100.0 + i,
                    fmt::format("2244,{}.0,51.1,-114.0,1000.0,0.1,0.2,0.0,0.5,1.5,{}.0,INS_SOLUTION_GOOD", 100 + i, i));
     out.close();

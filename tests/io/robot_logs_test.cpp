@@ -194,6 +194,17 @@ TEST_F(RobotLogs, BagOfRos1) {
     ASSERT_NE(log.find("imu"), nullptr);
     EXPECT_EQ(log.find("imu")->rows(), 5U);
     EXPECT_EQ(log.find("imu")->find("gyro_x_rad_s")->values[4], 4.0);
+    const auto chunk = [&](const std::string& content) {
+        return record({{"op", "\x05"}, {"compression", "lz4"}, {"size", size}}, content);
+    };
+    const std::string start = "#ROSBAG V2.0\n" + record({{"op", "\x03"}}, ""), broken(packed.size(), 'x');
+    WarningLog damage;
+    EXPECT_EQ(read(write("partly.bag", start + chunk(packed) + chunk(broken) + chunk(packed)), damage).find("imu")->rows(), 10U);
+    ASSERT_EQ(damage.summary().size(), 1U);
+    expect_parts(damage.summary()[0],
+                 {"partly.bag", "damaged chunks", fmt::format("at byte {}", (start + chunk(packed)).size())});
+    const auto all = write("damaged.bag", start + chunk(broken));
+    expect_parts(message_of([&] { (void)read(all, damage); }), {"damaged.bag", "nothing of use is left"});
 }
 
 std::string packed_header(int k) {  // ROS 1, 5 Hz

@@ -16,8 +16,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A trajectory, in a frame of its own or on the Earth, in place of the log of an IMU.
-void refuse_trajectory(const fs::path& folder, const inspect::InspectReport& report) {
+/// Why a log has no IMU: its reader says so, or it is a trajectory, in a frame of its own or on the Earth.
+void refuse_without_imu(const fs::path& folder, const inspect::InspectReport& report) {
+    for (const inspect::FileReport& file : report.files)
+        for (const inspect::Problem& p : file.problems)
+            if (const std::size_t at = p.text.find("the raw IMU logs are"); at != std::string::npos)
+                throw input_error(p.text.substr(at), {(folder / file.path).string(), 0, 0, {}}, p.hint);
     const auto trajectory = std::ranges::find_if(report.files, [](const inspect::FileReport& file) {
         return file.kind == "trajectory" || file.kind == "reference" || file.kind == "kfgins_reference";
     });
@@ -37,11 +41,6 @@ void refuse_trajectory(const fs::path& folder, const inspect::InspectReport& rep
             file.problems, [](const inspect::Problem& p) { return p.text.find("not taken for fixes") != std::string::npos; });
         if (kind == "gnss" && solution != file.problems.end())
             throw input_error(solution->text, {(folder / file.path).string(), 0, 0, {}}, solution->hint);
-        const auto left = std::ranges::find_if(
-            file.problems, [](const inspect::Problem& p) { return p.text.find("raw IMU logs are") != std::string::npos; });
-        if (kind == "imu" && left != file.problems.end())
-            throw input_error(left->text.substr(left->text.find("the raw IMU logs")), {(folder / file.path).string(), 0, 0, {}},
-                              left->hint);
         if (file.chosen || (file.kind != "unknown" && file.kind != kind && !unread)) continue;
         for (const inspect::Problem& problem : file.problems) {
             if (problem.level == inspect::Level::Info) continue;
@@ -53,7 +52,7 @@ void refuse_trajectory(const fs::path& folder, const inspect::InspectReport& rep
                           "put the log itself there, or name it in a dataset.toml");
     }
     const bool imu = kind == "imu";
-    if (imu) refuse_trajectory(folder, report);
+    if (imu) refuse_without_imu(folder, report);
     throw input_error(fmt::format("no {} log was recognised in it", imu ? "IMU" : "GNSS"), {path.string(), 0, 0, {}},
                       imu ? "name the columns time_s, gyro_x_rad_s, ..., accel_x_m_s2, ..., or map them in a dataset.toml"
                           : "give the folder that holds both logs, or a dataset.toml with [initial] to navigate without GNSS");
@@ -178,7 +177,7 @@ Recognised recognise(const fs::path& path, Needs needs, const inspect::Given& gi
                 throw input_error(error->text, {(fs::is_directory(path, ec) ? path / file.path : path).string(), 0, 0, {}},
                                   error->hint);
         }
-        refuse_trajectory(fs::is_directory(path, ec) ? path : path.parent_path(), r.report);
+        refuse_without_imu(fs::is_directory(path, ec) ? path : path.parent_path(), r.report);
         for (const auto& problem : r.report.problems) {
             if (problem.level != inspect::Level::Error) continue;
             why = problem.text;

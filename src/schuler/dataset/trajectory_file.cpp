@@ -49,13 +49,6 @@ std::vector<SolutionRow> rows_of(const std::vector<ReferenceSample>& samples) {
     return rows;
 }
 
-/// A solution as Schuler writes it: other tables have sigmas too, but their columns are recognised, not named.
-bool is_solution(const io::TextInput& input) {
-    const io::TableLayout layout = io::inspect_table(input);
-    return std::ranges::all_of(std::array{"time_s", "lat_deg", "lon_deg", "height_m", "std_n_m"},
-                               [&](const char* name) { return std::ranges::find(layout.names, name) != layout.names.end(); });
-}
-
 /// The stream of a log that is a trajectory: the named one, a solution or a reference with positions, else the fixes.
 const io::Stream& trajectory_of(const io::StreamLog& log, const io::StreamPath& where) {
     const auto fits = [&](const io::Stream& s) {
@@ -97,7 +90,7 @@ std::vector<SolutionRow> read_stream_rows(const io::StreamPath& where, const io:
     const std::string text = io::table_text(stream, io::Clock::Boot);  // as columns of a solution
     const io::TextInput table = io::TextInput::memory(text, where.file.string() + "#" + stream.name);
     if (stream.kind == io::TableKind::Gnss) return rows_of(io::read_gnss_csv(table, {}, warnings).fixes);
-    if (is_solution(table)) return io::read_solution_csv(table, warnings);
+    if (io::is_solution_csv(table)) return io::read_solution_csv(table, warnings);
     std::vector<SolutionRow> rows = rows_of(read_reference(table, {}, warnings));
     add_sigmas(rows, stream);
     return rows;
@@ -118,7 +111,7 @@ std::vector<SolutionRow> read_rows(const fs::path& file, WarningLog& warnings) {
     const io::TextInput input(file);
     if (io::is_rtklib_pos(input)) return rows_of(io::read_rtklib_pos(input, warnings).fixes);
     if (io::is_nmea(input)) return rows_of(io::read_nmea(input, warnings).fixes);
-    if (is_solution(input)) return io::read_solution_csv(input, warnings);
+    if (io::is_solution_csv(input)) return io::read_solution_csv(input, warnings);
     if (is_kfgins_gnss(input, file)) return rows_of(io::read_kfgins_gnss(input, warnings).fixes);
     return rows_of(read_reference(input, {}, warnings));
 }

@@ -1,5 +1,6 @@
 // JSON lines: samples of any instrument, and gpsd reports.
 #include "schuler/core/units.h"
+#include "schuler/io/receiver/ubx.h"
 #include "schuler/live/detail/framing.h"
 
 #include <nlohmann/json.hpp>
@@ -142,7 +143,7 @@ private:
             if (!s.is_object() || all.size() == most) continue;
             const double system = number_of(s, "gnssid", -1.0), number = number_of(s, "svid", -1.0);
             if (!(std::abs(system) < 256.0 && std::abs(number) < 256.0)) continue;
-            const auto id = satellite_of_ublox(static_cast<int>(system), static_cast<int>(number));
+            const auto id = io::ubx_satellite(static_cast<int>(system), static_cast<int>(number));
             if (!id) continue;
             const double strength = number_of(s, "ss");
             const auto used = s.find("used");

@@ -1,6 +1,7 @@
 #include "schuler/live/satellites.h"
 
 #include "schuler/core/units.h"
+#include "schuler/io/receiver/ubx.h"
 #include "schuler/io/text/split.h"
 
 #include <algorithm>
@@ -87,19 +88,6 @@ unsigned byte(std::string_view bytes, std::size_t i) { return static_cast<unsign
 
 }  // namespace
 
-std::optional<SatelliteId> satellite_of_ublox(int system, int number) {
-    constexpr std::array<std::pair<int, Range>, 7> table{{{0, {1, 32, System::Gps, 0}},
-                                                          {1, {120, 158, System::Sbas, 100}},
-                                                          {2, {1, 36, System::Galileo, 0}},
-                                                          {3, {1, 63, System::BeiDou, 0}},
-                                                          {5, {1, 10, System::Qzss, 0}},
-                                                          {6, {1, 32, System::Glonass, 0}},
-                                                          {7, {1, 14, System::Navic, 0}}}};
-    const auto it = std::ranges::find(table, system, &std::pair<int, Range>::first);
-    if (it == table.end()) return std::nullopt;
-    return find_in(&it->second, &it->second + 1, number, std::nullopt);
-}
-
 void SatelliteReport::nmea(std::string_view sentence) {
     if (binary_ || sentence.size() < 7) return;
     const Fields fields = io::split<std::string_view>(sentence.substr(0, sentence.find('*')), ',');
@@ -169,7 +157,7 @@ void SatelliteReport::ubx(std::string_view frame) {
     std::vector<SatelliteSeen> all;
     for (std::size_t k = 0; k < count; ++k) {
         const std::string_view s = frame.substr(head + fixed + each * k, each);
-        const auto id = satellite_of_ublox(static_cast<int>(byte(s, 0)), static_cast<int>(byte(s, 1)));
+        const auto id = io::ubx_satellite(static_cast<int>(byte(s, 0)), static_cast<int>(byte(s, 1)));
         if (!id) continue;
         const int elevation = static_cast<std::int8_t>(byte(s, 3));
         const int azimuth = static_cast<std::int16_t>(byte(s, 4) | byte(s, 5) << 8U);

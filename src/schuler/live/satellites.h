@@ -59,7 +59,4 @@ private:
     bool binary_ = false, news_ = false;
 };
 
-/// The satellite of a u-blox gnssId and svId, also used by gpsd.
-[[nodiscard]] std::optional<gnss::SatelliteId> satellite_of_ublox(int system, int number);
-
 }  // namespace schuler::live

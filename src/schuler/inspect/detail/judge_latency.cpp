@@ -20,10 +20,18 @@ struct Age {
 // Errors not covered by the jackknife: interpolation, filtering in the receiver and in the IMU.
 constexpr double floor_sigma = 0.015, floor_sigma_down = 0.04;
 
-/// Steps, waves and vibrations repeat: of several ages that fit alike, the one nearest to `expected`.
+/// Steps, waves and vibrations repeat: of several ages that fit alike, the one nearest to `expected`, less sure and with the others told.
 std::optional<Age> age_of(const Agreement& a, double expected, double least_contrast, double floor, const char* from) {
     if (!a.found || a.contrast < least_contrast || a.sigma > 0.1) return std::nullopt;
-    return Age{a.nearest_to(expected), std::hypot(a.sigma, floor), from};
+    const double at = a.nearest_to(expected);
+    std::string others;
+    const auto tell = [&](double t) {
+        if (t != at) others += fmt::format("{}{:.2f}", others.empty() ? "" : ", ", t);
+    };
+    tell(a.at);
+    for (const double t : a.rivals) tell(t);
+    return Age{at, std::hypot(a.sigma, floor),
+               others.empty() ? std::string(from) : fmt::format("{}; the motion is periodic, with further fits at {} s", from, others)};
 }
 
 std::optional<Age> better(const std::optional<Age>& a, const std::optional<Age>& b) {
@@ -49,24 +57,32 @@ struct Ages {
 
 Ages measured(const Study& study) {
     constexpr double typical = 0.1;  // s, of receivers
+    const Given& given = study.given;
+    const double position = study.position_age + given.latency.value_or(typical),
+                 velocity = study.velocity_age + given.velocity_latency.value_or(given.latency.value_or(typical));
+    // unless both are given, positions and velocities of one instant
+    const double behind = given.velocity_latency && given.latency ? velocity - position : study.velocity_age - study.position_age;
     Ages ages;
     const std::optional<Age> v =
-        age_of(study.velocity_fit.horizontal, study.velocity_age + typical, 0.2,
-               std::hypot(floor_sigma, lag_by_gain(study.velocity_fit)), "fit of the IMU to the velocity");
+        age_of(study.velocity_fit.horizontal, velocity, 0.2, std::hypot(floor_sigma, lag_by_gain(study.velocity_fit)),
+               "fit of the IMU to the velocity");
     const std::optional<Age> p =
-        age_of(study.position_fit.horizontal, study.position_age + typical, 0.2,
-               std::hypot(floor_sigma, lag_by_gain(study.position_fit)), "fit of the IMU to the displacement");
-    const double behind = study.velocity_age - study.position_age;
+        age_of(study.position_fit.horizontal, position, 0.2, std::hypot(floor_sigma, lag_by_gain(study.position_fit)),
+               "fit of the IMU to the displacement");
     ages.relative = age_of(study.velocity_behind_position, behind, 0.2, 0.005, "displacement against velocity");
     ages.relative_down =
         age_of(study.down_velocity_behind_height, behind, 0.2, floor_sigma, "height change against vertical velocity");
     ages.position = better(p, sum(v, ages.relative, -1.0, "velocity against IMU and position"));
     ages.velocity = better(v, sum(p, ages.relative, 1.0, "position against IMU and velocity"));
+    const auto of = [](const std::optional<Age>& age, double otherwise) { return age ? age->value : otherwise; };
     if (study.gnss.has_height)
-        ages.height = age_of(study.position_fit.down, ages.position ? ages.position->value : study.position_age + typical, 0.3,
+        ages.height = age_of(study.position_fit.down,
+                             given.height_latency ? study.position_age + *given.height_latency : of(ages.position, position), 0.3,
                              floor_sigma_down, "fit of the IMU to height changes");
-    ages.velocity_down = age_of(study.velocity_fit.down, ages.velocity ? ages.velocity->value : study.velocity_age + typical, 0.3,
-                                floor_sigma_down, "fit of the IMU to the vertical velocity");
+    ages.velocity_down =
+        age_of(study.velocity_fit.down,
+               given.velocity_down_latency ? study.velocity_age + *given.velocity_down_latency : of(ages.velocity, velocity), 0.3,
+               floor_sigma_down, "fit of the IMU to the vertical velocity");
     return ages;
 }
 

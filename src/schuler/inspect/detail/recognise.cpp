@@ -299,11 +299,6 @@ void recognise_table(LoadedFile& file) {
         layout.sample.clear();
         file.table = io::guess_table_kind(layout);
     }
-    if (file.table ==
-        io::TableKind::Baro) {  // heights with half of a position are those of fixes whose other half is unrecognised
-        const io::ColumnPlan fixes = io::match_columns(layout, io::TableKind::Gnss);
-        if ((fixes.find("lat_deg") != nullptr) != (fixes.find("lon_deg") != nullptr)) file.table.reset();
-    }
     if (!file.table) {
         const auto [kind, hint] = nearly(layout);
         file.report.resembles = kind;

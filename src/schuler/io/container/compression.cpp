@@ -8,6 +8,7 @@
 #include <zstd.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
 
 namespace schuler::io {
@@ -92,18 +93,23 @@ std::string from_bzip2(std::string_view bytes, std::size_t size) {
     return out;
 }
 
+struct Method {
+    std::string_view name;
+    std::string (*decompressed)(std::string_view bytes, std::size_t size);
+};
+std::string unpacked(std::string_view bytes, std::size_t) { return std::string(bytes); }
+constexpr std::array methods{Method{"", unpacked}, Method{"none", unpacked}, Method{"zstd", from_zstd}, Method{"lz4", from_lz4},
+                             Method{"bz2", from_bzip2}};
+
 }  // namespace
 
-bool is_compression(std::string_view method) {
-    return method.empty() || method == "none" || method == "zstd" || method == "lz4" || method == "bz2";
-}
+bool is_compression(std::string_view method) { return std::ranges::find(methods, method, &Method::name) != methods.end(); }
 
 std::string decompressed(std::string_view bytes, std::string_view method, std::size_t size) {
-    if (method.empty() || method == "none") return std::string(bytes);
-    if (method == "zstd") return from_zstd(bytes, size);
-    if (method == "lz4") return from_lz4(bytes, size);
-    if (method == "bz2") return from_bzip2(bytes, size);
-    throw input_error(fmt::format("a block is compressed with \"{}\"", method), {}, "zstd, lz4, bz2 and none are read");
+    const auto it = std::ranges::find(methods, method, &Method::name);
+    if (it == methods.end())
+        throw input_error(fmt::format("a block is compressed with \"{}\"", method), {}, "zstd, lz4, bz2 and none are read");
+    return it->decompressed(bytes, size);
 }
 
 }  // namespace schuler::io

@@ -18,6 +18,27 @@
 #include <optional>
 
 namespace schuler::io {
+
+std::optional<gnss::SatelliteId> ubx_satellite(int gnss_id, int number) {
+    using gnss::System;
+    struct Numbers {
+        System system;
+        int first, last, less;  ///< numbers of the receiver, and what they exceed those of the satellite by
+    };
+    constexpr std::array<Numbers, 8> numbers{{{System::Gps, 1, 32, 0},
+                                              {System::Sbas, 120, 158, 100},
+                                              {System::Galileo, 1, 36, 0},
+                                              {System::BeiDou, 1, 63, 0},
+                                              {System::Gps, 0, -1, 0},  // not assigned
+                                              {System::Qzss, 1, 10, 0},
+                                              {System::Glonass, 1, 32, 0},
+                                              {System::Navic, 1, 14, 0}}};
+    if (gnss_id < 0 || gnss_id >= static_cast<int>(numbers.size())) return std::nullopt;
+    const Numbers& n = numbers[static_cast<std::size_t>(gnss_id)];
+    if (number < n.first || number > n.last) return std::nullopt;
+    return gnss::SatelliteId{n.system, static_cast<std::uint8_t>(number - n.less)};
+}
+
 namespace {
 
 using gnss::SatelliteId;
@@ -29,16 +50,6 @@ using detail::number_at;
 using detail::Scan;
 using detail::SignalCode;
 using Message = detail::UbxMessage;
-
-std::optional<SatelliteId> satellite_of(int gnss_id, int number) {
-    constexpr std::array<System, 8> systems = {System::Gps, System::Sbas, System::Galileo, System::BeiDou,
-                                               System::Gps, System::Qzss, System::Glonass, System::Navic};
-    if (gnss_id < 0 || gnss_id > 7 || gnss_id == 4) return std::nullopt;
-    if (gnss_id == 1) number -= 100;
-    const int most = gnss_id == 6 ? 32 : 99;
-    if (number < 1 || number > most) return std::nullopt;
-    return SatelliteId{systems[static_cast<std::size_t>(gnss_id)], static_cast<std::uint8_t>(number)};
-}
 
 /// Signal identifiers of [UBloxF9:1.5.4]; modes in which data and pilot are combined, or distinguished only by the receiver's
 /// settings, are written as X, as in converters.
@@ -142,7 +153,7 @@ private:
     }
 
     void measurement(std::string_view p) {
-        const auto satellite = satellite_of(number_at<std::uint8_t>(p, 20), number_at<std::uint8_t>(p, 21));
+        const auto satellite = ubx_satellite(number_at<std::uint8_t>(p, 20), number_at<std::uint8_t>(p, 21));
         const auto signal =
             satellite ? detail::signal_of(ubx_codes, satellite->system, number_at<std::uint8_t>(p, 22)) : std::nullopt;
         if (!signal) {
@@ -183,7 +194,7 @@ private:
         if (p.size() < head) return false;
         const std::size_t count = number_at<std::uint8_t>(p, 4);
         if (p.size() < head + 4 * count) return false;
-        const auto satellite = satellite_of(number_at<std::uint8_t>(p, 0), number_at<std::uint8_t>(p, 1));
+        const auto satellite = ubx_satellite(number_at<std::uint8_t>(p, 0), number_at<std::uint8_t>(p, 1));
         if (!satellite || !now_) return true;
         const int signal = number_at<std::uint8_t>(p, 2);
         const auto word = [&](std::size_t i) { return number_at<std::uint32_t>(p, head + 4 * i); };

@@ -7,6 +7,7 @@
 #include "schuler/gnss/observation.h"
 #include "schuler/io/rinex/rinex.h"
 
+#include <optional>
 #include <vector>
 
 namespace schuler::io {
@@ -26,6 +27,9 @@ enum class UbxContent { All, Fixes };  ///< Fixes: satellites' messages are chec
 /// between them) ignored. A message with a wrong checksum or length is skipped and reported with its byte offset. An epoch with
 /// an absurd week or not later than the previous one is omitted. @throws Error(Input): no UBX message, no usable one.
 [[nodiscard]] UbxLog read_ubx(const TextInput& input, WarningLog& log, UbxContent content = UbxContent::All);
+
+/// The satellite of a receiver's gnssId and svId [UBloxF9:1.5], also used by gpsd; none beyond the numbers of its system.
+[[nodiscard]] std::optional<gnss::SatelliteId> ubx_satellite(int gnss_id, int number);
 
 /// True if the first bytes contain a UBX message with a correct checksum. Never throws on content.
 [[nodiscard]] bool is_ubx(const TextInput& input);

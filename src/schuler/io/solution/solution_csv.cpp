@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::size_t buffer_size = 1024 * 1024;
 constexpr std::size_t columns = 19;
+constexpr std::size_t required_columns = 4;  // time and position
 constexpr std::size_t widest_row = columns * (widest_number + 1) + 2;
 constexpr double to_deg = 1.0 / units::deg;
 
@@ -137,6 +138,12 @@ void write_solution_csv(const std::filesystem::path& path, std::span<const Solut
     writer.commit();
 }
 
+bool is_solution_csv(const TextInput& input) {
+    const TableLayout layout = inspect_table(input);
+    const auto has = [&](const char* name) { return std::ranges::find(layout.names, name) != layout.names.end(); };
+    return std::all_of(names.begin(), names.begin() + required_columns, has) && has("std_n_m");
+}
+
 std::vector<SolutionRow> read_solution_csv(const TextInput& input, WarningLog& log) {
     const TableLayout layout = inspect_table(input);
     std::vector<FieldRequest> requests;
@@ -145,7 +152,7 @@ std::vector<SolutionRow> read_solution_csv(const TextInput& input, WarningLog& l
         for (std::size_t i = 0; i < layout.names.size(); ++i) {
             if (layout.names[i] == name) r.column = static_cast<int>(i);
         }
-        r.required = requests.size() < 4;
+        r.required = requests.size() < required_columns;
         r.name = name;
         if (requests.empty()) r.kind = FieldKind::Time;
         if (r.required && r.column < 0) {

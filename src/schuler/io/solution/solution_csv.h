@@ -14,6 +14,9 @@
 
 namespace schuler::io {
 
+/// True for a table with the names of a solution's time, position and sigmas, as read_solution_csv() takes it.
+[[nodiscard]] bool is_solution_csv(const TextInput& input);
+
 /// The header line of solution.csv (without line end).
 [[nodiscard]] std::string_view solution_csv_header();
 

@@ -425,10 +425,11 @@ bool is_own_frame(const TableLayout& layout) {
     return std::ranges::none_of(words, [](const std::string& word) { return word == "enu" || word == "ned"; });
 }
 
-/// Names of other coordinates: a height beside them is that of a place.
+/// A height beside other coordinates is that of a place, also where only one of them is recognised.
 static bool names_a_place(const TableLayout& layout) {
-    static constexpr std::string_view coordinates[] = {"easting",  "northing", "east",     "north",
-                                                       "position", "latitude", "longitude"};
+    const ColumnPlan fixes = match_columns(layout, TableKind::Gnss);
+    if (fixes.find("lat_deg") != nullptr || fixes.find("lon_deg") != nullptr) return true;
+    static constexpr std::string_view coordinates[] = {"easting", "northing", "east", "north", "position"};
     return std::ranges::any_of(layout.names, [](const std::string& name) {
         return std::ranges::any_of(words_of_name(name), [](const std::string& word) {
             return std::ranges::find(coordinates, word) != std::end(coordinates);

@@ -34,10 +34,10 @@ Stream joined(const Stream& rates, const Stream& forces) {
     const std::vector<double> at = times_of(rates), times = times_of(forces);
     std::array<std::vector<double>, 3> f;
     for (std::size_t k = 0; k < 3; ++k) f[k] = interpolated(at, times, forces.columns[accel + k].values, reach);
-    Stream s = rates;
-    s.source += " with " + forces.source;
-    s.time_ns.clear();
-    for (Stream::Column& c : s.columns) c.values.clear();
+    Stream s;
+    s.name = rates.name;
+    s.source = rates.source + " with " + forces.source;
+    for (const Stream::Column& c : rates.columns) s.columns.push_back({c.name, {}});
     for (std::size_t i = 0; i < rates.rows(); ++i) {
         if (!std::isfinite(f[0][i])) continue;
         const auto w = [&](std::size_t k) { return rates.columns[gyro + k].values[i]; };
