@@ -20,7 +20,7 @@ struct Log {
 };
 
 Log log_of(sim::Scenario scenario, std::uint64_t seed) {
-    shake(scenario);
+    if (std::get<sim::RoutePath>(scenario.path).vibration.accel == 0.0) shake(scenario);
     scenario.gnss.white_position = {0.05, 0.05, 0.1};
     Log log{sim::simulate(scenario).recording, settings_of(scenario)};
     for (GnssFix& f : log.recording.gnss) {
@@ -80,17 +80,19 @@ TEST(Tuning, GainErrorsAreNotTakenForNoise) {
     EXPECT_LT(*found.imu.gyro_vibration, 0.5);
 }
 
-// Of a body that bobs, a fit that is a period away is no latency of the vertical velocity.
+// However well the vertical velocity alone fits later: it is part of one solution with the horizontal.
 TEST(Tuning, TheLatencyOfTheVerticalVelocityIsNearThatOfTheHorizontal) {
     sim::Scenario s = town_drive(84, 5.0, 120.0);
-    std::get<sim::RoutePath>(s.path).vibration = {1.667, 0.0, 1.5};
+    std::get<sim::RoutePath>(s.path).vibration = {0.4, 0.0, 1.5};
     Log log = log_of(s, 84);
     log.settings.gnss.estimate_latency = true;
     constexpr std::size_t late = 3;  // fixes, 0.6 s
     for (std::size_t k = log.recording.gnss.size() - 1; k >= late; --k)
         log.recording.gnss[k].velocity_n.z() = log.recording.gnss[k - late].velocity_n.z();
     const GnssSettings found = fuse(log.recording, log.settings).findings.in_force->gnss;
-    EXPECT_LE(std::abs(*found.velocity_down_latency - found.velocity_latency.value_or(found.latency)), 0.26);
+    const double apart = *found.velocity_down_latency - found.velocity_latency.value_or(found.latency);
+    EXPECT_GT(apart, 0.15);
+    EXPECT_LE(apart, 0.26);
 }
 
 // What motion in windows has measured bounds what the likelihood of a whole trial may make of it.

@@ -231,9 +231,10 @@ TEST(LiveSatellites, SentencesOfSeveralSystemsAndSignals) {
         EXPECT_EQ(decoded(*decoder, epoch_of(0, sky), size).size(), 1U);
         EXPECT_EQ(satellites_of(*decoder), expected);
         EXPECT_EQ(satellites_of(*decoder), Names{"nothing new"});
-        // none of the second system is used, then it is silent; a sequence without its first sentence does not count
+        // none of the second system is used, then it is silent; a sequence without one of its sentences does not count
         const std::string fewer = sentence("GNGSA,A,3,12,,,,,,,,,,,,1.2,0.9,0.8,1") +
                                   sentence("GNGSA,A,3,,,,,,,,,,,,,1.2,0.9,0.8,2") + sentence("GPGSV,2,2,05,31,30,120,44,1") +
+                                  sentence("GPGSV,3,1,09,31,30,120,44,8") + sentence("GPGSV,3,3,09,30,30,120,44,8") +
                                   sentence("GPGSV,1,1,01,12,31,121,21,1");
         for (int k = 1; k < 9; ++k) {
             (void)decoded(*decoder, epoch_of(k, fewer), size);

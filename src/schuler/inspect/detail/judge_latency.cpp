@@ -30,8 +30,9 @@ std::optional<Age> age_of(const Agreement& a, double expected, double least_cont
     };
     tell(a.at);
     for (const double t : a.rivals) tell(t);
-    return Age{at, std::hypot(a.sigma, floor),
-               others.empty() ? std::string(from) : fmt::format("{}; the motion is periodic, with further fits at {} s", from, others)};
+    return Age{
+        at, std::hypot(a.sigma, floor),
+        others.empty() ? std::string(from) : fmt::format("{}; the motion is periodic, with further fits at {} s", from, others)};
 }
 
 std::optional<Age> better(const std::optional<Age>& a, const std::optional<Age>& b) {
