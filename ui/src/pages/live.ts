@@ -3,6 +3,7 @@ import { api } from "../api";
 import { h, replace, saveAs } from "../dom";
 import { maybe, number, t } from "../i18n";
 import type { Page } from "../page";
+import { metresOf } from "../plots/graticule";
 import { HorizonView } from "../plots/horizon";
 import { Linked } from "../plots/linked";
 import { PlanView } from "../plots/plan";
@@ -45,14 +46,11 @@ class Kept {
     } else if (last !== undefined && time - last < shortest_s * 0.999) return false;
     const origin = this.origin ?? { lat, lon };
     if (!this.origin) this.placed?.((this.origin = origin));
-    const e2 = 0.00669437999014,
-      a = 6378137,
-      phi = (origin.lat * Math.PI) / 180,
-      w = Math.sqrt(1 - e2 * Math.sin(phi) ** 2);
+    const metres = metresOf(origin);
     const turn = ((((lon - origin.lon + 540) % 360) + 360) % 360) - 180;
     this.time.push(time);
-    this.east.push(((turn * Math.PI) / 180) * (a / w) * Math.cos(phi));
-    this.north.push((((lat - origin.lat) * Math.PI) / 180) * ((a * (1 - e2)) / w ** 3));
+    this.east.push(((turn * Math.PI) / 180) * metres.east);
+    this.north.push((((lat - origin.lat) * Math.PI) / 180) * metres.north);
     for (const c of columns) this.of[c].push(typeof m[c] === "number" ? (m[c] as number) : null);
     if (this.time.length > most)
       for (const list of [this.time, this.east, this.north, ...Object.values(this.of)]) list.splice(0, most / 10);

@@ -1,8 +1,9 @@
 // Lines of latitude and longitude under a track, with labels at round steps.
 import { language } from "../i18n";
 
-const radius = 6378137,
-  flat = 0.00669437999014;
+/** Equatorial, m. */
+export const radius = 6378137;
+const flat = 0.00669437999014; // first eccentricity squared
 
 /** Where on the Earth the point 0, 0 of a plane lies, degrees. */
 export interface Plane {

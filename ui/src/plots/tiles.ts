@@ -1,9 +1,8 @@
 // Tiles of a map (`schuler ui --tiles`) under a track: Web Mercator squares, drawn where the plane of the track has their corners.
 import { api } from "../api";
-import { metresOf, type Plane } from "./graticule";
+import { metresOf, radius, type Plane } from "./graticule";
 
-const radius = 6378137,
-  largest = 200;
+const largest = 200;
 let zooms: Promise<number[]> | null = null;
 
 /** Asked for once: which zooms there are; none without a folder of tiles. */
