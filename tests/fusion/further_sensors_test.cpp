@@ -72,6 +72,27 @@ TEST(FurtherSensors, OdometerAndHeadingCarryThroughAnOutage) {
     EXPECT_GT(last.std[at], 0.0);
 }
 
+// From 100 s on it shows 60 deg too much: refused, but whether it or the heading is wrong it does not say.
+TEST(FurtherSensors, AHeadingSensorThatIsRefusedLeavesTheHeadingInDoubt) {
+    sim::Scenario scenario = town_drive(71, 1.0, 200.0);
+    Recording recording = sim::simulate(scenario).recording;
+    add_instruments(recording);
+    recording.odometer.clear();
+    const Time from = recording.gnss.front().time + Duration::from_seconds(100.0);
+    for (HeadingSample& h : recording.heading)
+        if (h.time > from && h.time < from + Duration::from_seconds(50.0)) h.heading += 60.0 * units::deg;
+    WarningLog unheard;
+    const Result result = run_filter(recording, settings_of(scenario), unheard);
+    const auto sigma = [&](double t) {
+        const auto row = std::ranges::lower_bound(result.forward.rows, recording.gnss.front().time + Duration::from_seconds(t), {},
+                                                  &SolutionRow::time);
+        return row->std_rpy.z() / units::deg;
+    };
+    EXPECT_LT(sigma(99.0), 2.0);
+    EXPECT_GT(sigma(140.0), 20.0);  // three of them cover both
+    EXPECT_LT(sigma(160.0), 2.0);
+}
+
 TEST(FurtherSensors, ALogOfVelocityCarriesThroughAnOutageAndAGaugeKeepsTheHeight) {
     sim::Scenario scenario = town_drive(72, 1.0, 240.0);
     Recording recording = sim::simulate(scenario).recording;

@@ -78,6 +78,38 @@ TEST(Start, HeadingIsFoundBesideLatenciesThatNobodyKnows) {
     }
 }
 
+// The antenna on a mast of which nobody spoke swings with the waves: its motion is not that of the unit with another heading.
+TEST(Start, AMastInWavesIsNotTakenForTheHeading) {
+    for (const std::uint64_t seed : {1u, 2u, 3u}) {
+        sim::Scenario s;
+        s.seed = seed;
+        s.duration = 150.0;
+        s.origin = Time::from_seconds(1000.0);
+        sim::ShipPath path;
+        path.start = {-15.0 * deg, -108.0 * deg, 0.0};
+        path.heading = 120.0 * deg * static_cast<double>(seed);
+        path.speed = 6.0;
+        path.roll = {1.1 * deg, 10.8, 0.0};
+        path.pitch = {3.0 * deg, 5.4, 1.0};
+        path.yaw = {1.9 * deg, 7.6, 2.0};
+        path.heave = {2.2, 9.3, 0.5};
+        s.path = path;
+        s.imu.errors = sensor::imu_grade("mems");
+        s.gnss.rate = 4.0;
+        s.gnss.white_position = {0.3, 0.3, 0.5};
+        s.gnss.lever_arm_b = {-3.7, 1.4, -3.7};
+        const Recording recording = sim::simulate(s).recording;
+        Settings f = settings_of(s);
+        f.gnss.lever_arm_b.setZero();
+        f.vehicle = VehicleKind::Ship;
+        const Start start = start_of(recording, f);
+        const double off =
+            math::wrap_pi(math::rpy_from_quaternion(start.nav.q_nb).z() - truth_at(recording, start.nav.time).rpy.z());
+        const double std = std::max(start.std_rpy.z(), start.undecided_heading);
+        EXPECT_LT(std::abs(off), 3.0 * std) << seed << " " << off / deg << " " << std / deg;
+    }
+}
+
 TEST(Start, VelocityComesFromPositionsWhereTheReceiverTellsNone) {
     const sim::Scenario s = steady(-40.0, 30.0);
     Recording recording = sim::simulate(s).recording;

@@ -215,10 +215,10 @@ template <class Frame>
 void archive(Archive& a, FilterRun<Frame>& run) {  // a diverged run is not saved
     auto& [filter, increment, event, epoch, still, bridge, instant, outputs, next_output, next_constraint, next_feedback,
            feedback_period, gates, wheels, vibration, last_still, carried, corrected, health, shadows, ranges, undecided_heading,
-           fixes, suspect, wanted, openings, sides_changed, rival, challenged, diverged] = run;
+           refused_heading, fixes, suspect, wanted, openings, sides_changed, rival, challenged, diverged] = run;
     a(filter, increment, event, epoch, still, bridge, instant, outputs, next_output, next_constraint, next_feedback,
       feedback_period, gates, wheels, vibration, last_still, carried, corrected, health, shadows, ranges, undecided_heading,
-      fixes, suspect, wanted, openings, sides_changed, rival, challenged);
+      refused_heading, fixes, suspect, wanted, openings, sides_changed, rival, challenged);
     if (a.reads()) diverged.reset();
 }
 SCHULER_ARCHIVED_IN_FRAME(Rival, run, since, challenger, explained, accepted, refused, in_row, attempts, patience, opening)

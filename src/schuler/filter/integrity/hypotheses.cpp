@@ -116,8 +116,10 @@ double speed_sigma(const InertialFilter<Frame>& filter) {
 template <class Frame>
 Matrix9 FilterRun<Frame>::undecided(const InertialModel& model) const {
     Matrix9 P = Matrix9::Zero();
-    P(Layout::attitude + 2, Layout::attitude + 2) = undecided_heading * undecided_heading;
-    if (undecided_heading > 0.0 && model.eccentric())
+    // A heading sensor that is always refused leaves two suspects: it and the heading.
+    const double heading = std::hypot(undecided_heading, 0.4 * refused_heading);
+    P(Layout::attitude + 2, Layout::attitude + 2) = heading * heading;
+    if (heading > 0.0 && model.eccentric())
         turn_about_antenna(filter.geographic(model).q_nb * filter.lever_arm(model), P.template bottomRightCorner<3, 3>(), P);
     if (!ranges.watch.without.empty()) {
         const Matrix9 T = filter.to_local_level(model);

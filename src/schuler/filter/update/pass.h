@@ -104,6 +104,7 @@ struct FilterRun {
     RangeTracking ranges;
 
     double undecided_heading = 0.0;     ///< rad, Start::undecided_heading
+    double refused_heading = 0.0;       ///< rad, by which a heading sensor consistently differs and is refused
     std::array<FixChannel, 4> fixes{};  ///< position, velocity, and the vertical ones if they have a separate age
     std::optional<Time> suspect;        ///< time of the last bridged inertial data
     std::optional<Opening> wanted;      ///< a rival to be created at the end of this increment

@@ -166,10 +166,12 @@ AidRecord Pass<Frame>::try_update(FilterRun<Frame>& run, Channel channel, const 
         decide(run.gates[channel.gate()], data_.gates, record.time, m.dof, record.nis, m.innovation, used, drift);
     if (decision == GateDecision::Reject ||
         (decision == GateDecision::Recover && !is_part_of_fix(kind) && kind != AidKind::Baro)) {
+        if (decision == GateDecision::Recover && kind == AidKind::Heading) run.refused_heading = std::abs(m.innovation.x());
         record.status = AidStatus::Rejected;
         return record;
     }
     if (decision == GateDecision::Recover) recover(run, channel, local);
+    if (kind == AidKind::Heading) run.refused_heading = 0.0;
     record.status = use(run, channel, local, m, stamp, observer) ? AidStatus::Accepted : AidStatus::Withheld;
     return record;
 }
