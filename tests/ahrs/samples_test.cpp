@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <limits>
 
 namespace schuler::ahrs {
@@ -380,6 +382,54 @@ TEST(AhrsSettings, UnusableOnesAreNamed) {
     s.heading.field_noise = 0.0;
     EXPECT_THROW(Mekf{s}, Error);
     EXPECT_THROW((void)run({}, {}, {}, {}), Error);
+}
+
+// Shorter than what counts as an unknown rotation, longer than what one rate tells: dropped packets of a hand that turns.
+TEST(AhrsSamples, AGapOfSomeTenthsOfASecondIsInterpolatedAndCovered) {
+    for (const double length : {0.1, 0.3, 0.45}) {
+        Motion m;
+        m.swing = 4.0;
+        Log l = log_of(m, 8);
+        const auto lost = [&](double t) {
+            return std::ranges::any_of(std::array{41.3, 53.1, 66.0, 78.6, 90.2},
+                                       [&](double at) { return t > at && t < at + length; });
+        };
+        std::erase_if(l.imu, [&](const ImuSample& s) { return lost(s.time.seconds()); });
+        std::erase_if(l.truth, [&](const Instant& i) { return lost(i.time); });
+        for (const bool offline : {false, true}) {
+            RunSettings s;
+            s.offline = offline;
+            const RunResult r = run(l.imu, l.mag, {}, s);
+            EXPECT_EQ(r.counters.gaps, 5u) << length;
+            EXPECT_LT(beyond_three_sigma(r, l, 20.0, 120.0), 0.01) << length << offline;
+            EXPECT_LT(errors_of(r, l, 20.0).second, 3.0) << length << offline;
+        }
+    }
+}
+
+// Five degrees a second at rest, as cheap gyros have it: no rotation, since neither gravity nor the field turns.
+TEST(AhrsSamples, AGyroBiasOfSomeDegreesASecondIsTakenOffAtRest) {
+    Motion m;
+    m.gyro_bias = Vector3d(2.0, -3.0, 4.0) * units::deg_per_s;
+    const Log l = log_of(m, 9);
+    for (const bool offline : {false, true}) {
+        RunSettings s;
+        s.offline = offline;
+        const RunResult r = run(l.imu, l.mag, {}, s);
+        EXPECT_NEAR((r.resting_rate - m.gyro_bias).norm() / units::deg_per_s, 0.0, 0.1);
+        EXPECT_NEAR((r.rows.back().gyro_bias - m.gyro_bias).norm() / units::deg_per_s, 0.0, 0.1);
+        EXPECT_LT(errors_of(r, l, 20.0).first, 3.0) << offline;
+    }
+    // about the vertical alone: a turntable unless the field stands still
+    Motion spun;
+    spun.moving = false;
+    spun.gyro_bias = Vector3d(0.0, 0.0, 6.0) * units::deg_per_s;
+    Log table = log_of(spun, 10);
+    EXPECT_FALSE(run(table.imu, table.mag, {}, {}).resting_rate.isZero());
+    EXPECT_TRUE(run(table.imu, {}, {}, {}).resting_rate.isZero());
+    for (MagSample& s : table.mag)
+        s.field_b = Eigen::AngleAxisd(-spun.gyro_bias.z() * s.time.seconds(), Vector3d::UnitZ()) * s.field_b;
+    EXPECT_TRUE(run(table.imu, table.mag, {}, {}).resting_rate.isZero());
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include "schuler/inspect/detail/motion/clock.h"
 #include "schuler/inspect/inspect.h"
 
+#include "io/log_bytes.h"
 #include "report_queries.h"
 #include "synthetic_car.h"
 
@@ -10,10 +11,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <fstream>
+#include <numbers>
 #include <random>
+#include <sstream>
 #include <string>
+#include <vector>
 
 namespace schuler::inspect::test {
 namespace {
@@ -76,6 +83,93 @@ TEST(Clock, OneClockIsLeftAlone) {
         const InspectReport r = report_with(0.0, car);
         EXPECT_EQ(fact(r, "imu.time_offset_s"), nullptr) << latency;
         EXPECT_TRUE(r.doubts.empty());
+    }
+}
+
+std::vector<std::array<double, 7>> rows_of(const std::filesystem::path& file) {
+    std::ifstream in(file);
+    std::string line;
+    std::getline(in, line);
+    std::vector<std::array<double, 7>> rows;
+    while (std::getline(in, line)) {
+        std::istringstream cells(line);
+        std::array<double, 7>& row = rows.emplace_back();
+        for (double& value : row) {
+            std::string cell;
+            std::getline(cells, cell, ',');
+            value = std::stod(cell);
+        }
+    }
+    return rows;
+}
+
+template <class T>
+void put_at(std::string& payload, std::size_t where, double value) {
+    const T number = static_cast<T>(std::llround(value));
+    std::memcpy(payload.data() + where, &number, sizeof number);
+}
+
+/// NAV-PVT of a row of fixes; seconds below 100 after noon.
+std::string nav_pvt(const std::array<double, 7>& fix, double seconds) {
+    std::string p(92, '\0');
+    put_at<std::uint32_t>(p, 0, 1000.0 * (302'400.0 + seconds));
+    put_at<std::uint16_t>(p, 4, 2024.0);
+    p[6] = 5;
+    p[7] = 1;
+    p[8] = 12;
+    const double minutes = std::floor(seconds / 60.0), second = std::floor(seconds - 60.0 * minutes);
+    p[9] = static_cast<char>(minutes);
+    p[10] = static_cast<char>(second);
+    p[11] = 7;
+    put_at<std::int32_t>(p, 16, 1e9 * (seconds - 60.0 * minutes - second));
+    p[20] = 3;
+    p[21] = 1;
+    p[23] = 12;
+    put_at<std::int32_t>(p, 24, 1e7 * fix[2]);
+    put_at<std::int32_t>(p, 28, 1e7 * fix[1]);
+    put_at<std::int32_t>(p, 32, 1e3 * fix[3]);
+    put_at<std::int32_t>(p, 36, 1e3 * fix[3]);
+    put_at<std::uint32_t>(p, 40, 50.0);
+    put_at<std::uint32_t>(p, 44, 80.0);
+    for (std::size_t i = 0; i < 3; ++i) put_at<std::int32_t>(p, 48 + 4 * i, 1e3 * fix[4 + i]);
+    put_at<std::uint32_t>(p, 68, 30.0);
+    return io::test::ubx(0x01, 0x07, p);
+}
+
+/// ESF-MEAS of a row of the IMU.
+std::string esf_meas(const std::array<double, 7>& imu, double seconds) {
+    std::string p(8 + 6 * 4, '\0');
+    put_at<std::uint32_t>(p, 0, 1000.0 * seconds);
+    put_at<std::uint16_t>(p, 4, 6 << 11);
+    constexpr std::array<std::uint32_t, 6> type{14, 13, 5, 16, 17, 18};
+    for (std::size_t i = 0; i < 6; ++i) {
+        const double unit = i < 3 ? 4096.0 * 180.0 / std::numbers::pi : 1024.0;
+        const auto value = static_cast<std::uint32_t>(static_cast<std::int32_t>(std::lround(unit * imu[i + 1]))) & 0xFFFFFFU;
+        put_at<std::uint32_t>(p, 8 + 4 * i, static_cast<double>(type[i] << 24U | value));
+    }
+    return io::test::ubx(0x10, 0x02, p);
+}
+
+/// What a receiver with sensors writes: each fix some time after the instant that it is of, and the sensors' own ticks.
+TEST(Clock, SensorsDatedByTheFixesBesideThemHaveTheDelayOfTheReceiver) {
+    for (const double delay : {0.0, 0.12}) {
+        const auto folder = fresh_folder("clock_arrival"), logs = fresh_folder("clock_arrival_log");
+        const CarLog car;
+        write_car(folder, car);
+        const auto imu = rows_of(folder / car.imu_name), gnss = rows_of(folder / car.gnss_name);
+        std::string log;
+        auto fix = gnss.begin();
+        for (const auto& row : imu) {
+            for (; fix != gnss.end() && (*fix)[0] + delay < row[0] - 1e-6; ++fix)
+                log += nav_pvt(*fix, (*fix)[0] - car.gnss_start);
+            log += esf_meas(row, row[0] - 777.0);
+        }
+        write_file(logs / "drive.ubx", log);
+        const InspectReport r = inspect(logs);
+        if (delay == 0.0) EXPECT_EQ(fact(r, "imu.time_offset_s"), nullptr);
+        else EXPECT_NEAR(offset_of(r), delay, 0.03);
+        EXPECT_NEAR(number_of(r, "gnss.latency_s"), 0.0, 0.03) << delay;
+        EXPECT_NEAR(number_of(r, "gnss.velocity_latency_s"), 0.0, 0.03) << delay;
     }
 }
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <functional>
 #include <string>
@@ -48,6 +49,29 @@ TEST(FaultyColumns, OddGyroUnitIsNotSure) {
     const InspectReport r = inspect(folder);
     const Finding* unit = finding(r, "imu.scale.gyro_rad_s");
     EXPECT_TRUE(unit == nullptr || unit->confidence < 0.9);
+}
+
+/// A field of 48 uT that turns, written in a unit.
+InspectReport field_written(const std::string& header, double factor) {
+    const auto folder = fresh_folder("field_unit");
+    write_car(folder, {});
+    std::string text = header + "\n";
+    for (int i = 0; i < 2000; ++i) {
+        const double t = 0.05 * i, x = 20.0 * std::cos(0.1 * t), y = -20.0 * std::sin(0.1 * t);
+        text += fmt::format("{:.3f},{:.8g},{:.8g},{:.8g}\n", 1000.0 + t, factor * x, factor * y, factor * 43.6);
+    }
+    write_file(folder / "mag.csv", text);
+    return inspect(folder);
+}
+
+TEST(FaultyColumns, AFieldInAnotherUnitThanItsNameIsRescaledAndTold) {
+    for (const double factor : {1000.0, 10.0, 0.01, 1e-6, 1.0 / 47.97}) {  // nT, mG, G, T, by its own norm
+        const InspectReport r = field_written("time_s,mag_x_ut,mag_y_ut,mag_z_ut", factor);
+        EXPECT_TRUE(has_problem(r, Level::Warning, "magnetometer columns state a unit that cannot be")) << factor;
+        EXPECT_NEAR(number_of(r, "mag.norm"), 46.0, 3.0) << factor;
+    }
+    EXPECT_FALSE(has_problem(field_written("time_s,mag_x_ut,mag_y_ut,mag_z_ut", 1.0), Level::Warning, "magnetometer columns"));
+    EXPECT_NEAR(number_of(field_written("time_s,mag_x,mag_y,mag_z", 1.0 / 47.97), "mag.norm"), 45.0, 0.1);
 }
 
 TEST(FaultyColumns, VelocitiesThatAreAlwaysZeroAreMissing) {

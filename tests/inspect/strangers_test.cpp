@@ -207,7 +207,7 @@ TEST(Strangers, GivenFixCodesThatDoNotOccurAreTold) {
     EXPECT_TRUE(inspect(folder, given).doubts.empty());
 }
 
-TEST(Strangers, OtherInstrumentsInTheTableAreTold) {
+TEST(Strangers, OfOtherInstrumentsInTheTableTheMagnetometerIsUsedAndTheOthersAreTold) {
     const auto folder = fresh_folder("others");
     write_car(folder, {});
     std::vector<std::string> imu = lines_of(folder / "imu.csv");
@@ -215,12 +215,14 @@ TEST(Strangers, OtherInstrumentsInTheTableAreTold) {
         imu[i] += i == 0 ? ",mag_x,mag_y,mag_z,pressure_hpa,wheel_speed_m_s,yaw_deg" : ",20.1,3.2,40.5,1009.2,7.1,33.0";
     write_lines(folder / "imu.csv", imu);
     const InspectReport r = inspect(folder);
-    EXPECT_TRUE(has_problem(r, Level::Info, "a magnetometer too, which are not used: mag_x, mag_y, mag_z"));
+    EXPECT_TRUE(sets(r, "mag.file = \"imu.csv\"")) << r.dataset_toml;
+    EXPECT_NEAR(number_of(r, "mag.norm"), 45.3, 0.1);
+    EXPECT_FALSE(has_problem(r, Level::Info, "a magnetometer too"));
     EXPECT_TRUE(has_problem(r, Level::Info, "a barometer too, which are not used: pressure_hpa"));
     EXPECT_TRUE(has_problem(r, Level::Info, "an odometer's, which are not used: wheel_speed_m_s"));
     EXPECT_TRUE(has_problem(r, Level::Info, "look like headings, which are not used: yaw_deg"));
     EXPECT_TRUE(r.doubts.empty());
-    // as the hint says: named for the magnetometer, the table is that of the IMU all the same
+    // named for the magnetometer, the table is that of the IMU all the same
     Given given;
     given.keys = {"mag.file"};
     given.mag.path = folder / "imu.csv";

@@ -202,7 +202,7 @@ TEST_F(DatasetTest, ATableOfPositionsWithSigmasIsATrajectoryByItsColumns) {
         "survey.csv",
         "time_s,lat_deg,lon_deg,height_ellipsoidal_m,std_n_m,std_e_m,std_d_m\n1,50,10,300,0.1,0.1,0.2\n2,50,10,301,0.1,0.1,0.2\n");
     WarningLog warnings;
-    const std::vector<SolutionRow> rows = dataset::read_trajectory(folder_ / "survey.csv", warnings);
+    const std::vector<SolutionRow> rows = dataset::read_trajectory(folder_ / "survey.csv", warnings).rows;
     ASSERT_EQ(rows.size(), 2u);
     EXPECT_EQ(rows[1].position.h, 301.0);
 }
@@ -216,7 +216,7 @@ TEST_F(DatasetTest, FixesWithoutNamesAreATrajectoryAndSamplesAreNot) {
     write("gnss.pos", fixes);
     write("imu.txt", samples);
     WarningLog warnings;
-    const std::vector<SolutionRow> rows = dataset::read_trajectory(folder_ / "gnss.pos", warnings);
+    const std::vector<SolutionRow> rows = dataset::read_trajectory(folder_ / "gnss.pos", warnings).rows;
     ASSERT_EQ(rows.size(), 60u);
     EXPECT_NEAR(rows[0].position.lon, 114.4 * M_PI / 180, 1e-14);
     EXPECT_EQ(rows[0].std_position.z(), 0.03);
@@ -238,7 +238,7 @@ TEST_F(DatasetTest, ASolutionComesBackFromMcapWhole) {
     }
     io::format_named("mcap")->write(folder_ / "a.mcap", rows, "a");
     WarningLog warnings;
-    const std::vector<SolutionRow> back = dataset::read_trajectory(folder_ / "a.mcap", warnings);
+    const std::vector<SolutionRow> back = dataset::read_trajectory(folder_ / "a.mcap", warnings).rows;
     EXPECT_TRUE(warnings.empty());
     ASSERT_EQ(back.size(), rows.size());
     for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -264,14 +264,14 @@ TEST_F(DatasetTest, ALogThatIsNotRecognisedIsNamedBeforeTheFolderForItsTables) {
 TEST_F(DatasetTest, TrajectoriesOfTenColumnsAndBack) {
     write("truth.txt", "1.000 50.0 10.0 300.0 1.0 2.0 3.0 1.0 -2.0 350.0\n1.100 50.0 10.0 300.0 1.0 2.0 3.0 1.0 -2.0 350.0\n");
     WarningLog warnings;
-    const std::vector<SolutionRow> rows = dataset::read_trajectory(folder_ / "truth.txt", warnings);
+    const std::vector<SolutionRow> rows = dataset::read_trajectory(folder_ / "truth.txt", warnings).rows;
     ASSERT_EQ(rows.size(), 2u);
     EXPECT_EQ(rows[1].time, Time::from_seconds(1.1));
     EXPECT_NEAR(rows[0].rpy.z(), 350 * M_PI / 180, 1e-14);
     EXPECT_EQ(rows[0].v_eb_n, Eigen::Vector3d(1, 2, 3));
     (void)app::convert_file(folder_ / "truth.txt", folder_ / "a.csv", {});
     (void)app::convert_file(folder_ / "a.csv", folder_ / "b.txt", {});
-    const std::vector<SolutionRow> again = dataset::read_trajectory(folder_ / "b.txt", warnings);
+    const std::vector<SolutionRow> again = dataset::read_trajectory(folder_ / "b.txt", warnings).rows;
     ASSERT_EQ(again.size(), 2u);
     EXPECT_NEAR(again[0].position.lat, rows[0].position.lat, 1e-12);
     EXPECT_NEAR(again[0].rpy.y(), rows[0].rpy.y(), 1e-8);

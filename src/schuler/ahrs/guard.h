@@ -18,11 +18,26 @@ struct InstrumentCount {
 
 struct Counters {
     InstrumentCount gyro, accel, field;
-    std::size_t gaps = 0;              ///< intervals longer than GuardSettings::longest_step
+    std::size_t gaps = 0;              ///< intervals longer than GuardSettings::gap_factor and longest_step allow
     std::size_t rest_blocks = 0;       ///< blocks at rest
     std::size_t disturbed_blocks = 0;  ///< blocks with a disturbed field
     std::size_t recoveries = 0;        ///< number of times the field was relearnt
     std::size_t magnets = 0;           ///< number of times a magnet was detected on the sensor, or its removal
+};
+
+/// The usual interval between samples, learnt as they come.
+class UsualStep {
+public:
+    /// True if an interval is more than `factor` usual ones. A rate that has changed is followed within some ten samples.
+    [[nodiscard]] bool exceeded_by(double dt, double factor) {
+        if (!(usual_ > 0.0)) usual_ = dt;
+        const bool exceeded = dt > factor * usual_;
+        usual_ += (exceeded ? 0.1 : 0.05 * (dt / usual_ - 1.0)) * usual_;
+        return exceeded;
+    }
+
+private:
+    double usual_ = 0.0;  // s
 };
 
 /// Checks the samples of one instrument in order.

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace schuler::ahrs {
@@ -12,6 +13,9 @@ namespace {
 constexpr double levelling = 0.1;    // s of specific force used for the first tilt
 constexpr double not_gravity = 0.5;  // m/s^2, above accelerometer errors: the log starts in motion
 constexpr double turn_in_gap = 0.5;  // rad/s, possible unobserved rotation
+// s: rates this far apart are unrelated, in a hand that swings. The error of a rotation interpolated over less grows with the square of
+// the interval, as that of the trapezoidal rule does.
+constexpr double unrelated = 0.35;
 
 }  // namespace
 
@@ -31,6 +35,7 @@ bool Mekf::step(double dt, const Eigen::Vector3d& gyro_b, const Eigen::Vector3d&
     const bool rate_known = gyro_guard_.usable(gyro_b, counters_.gyro);
     const bool force_known = accel_guard_.usable(accel_b, counters_.accel);
     if (!(dt > 0.0)) return false;
+    const bool gap = usual_step_.exceeded_by(dt, settings_.guard.gap_factor);
     if (!tilt_.started()) {
         if (!force_known) return false;
         start_force_ += accel_b * dt;
@@ -45,11 +50,19 @@ bool Mekf::step(double dt, const Eigen::Vector3d& gyro_b, const Eigen::Vector3d&
     }
     if (dt > settings_.guard.longest_step) {
         ++counters_.gaps;
-        tilt_.doubt(turn_in_gap * dt);
+        tilt_.doubt(std::max(turn_in_gap, swing_) * dt);
         dt = settings_.block;  // the filter continues from here; the gap is covered by the increased uncertainty
+    } else if (gap) {
+        ++counters_.gaps;
+        const double apart = std::min(1.0, dt / unrelated);
+        tilt_.doubt(apart * apart * swing_ * dt);
     }
+    const Eigen::Vector3d rate = gap && rate_known ? Eigen::Vector3d(0.5 * (last_rate_ + gyro_b))
+                                 : rate_known      ? gyro_b
+                                                   : last_rate_;
     if (rate_known) last_rate_ = gyro_b;
-    tilt_.integrate(dt, last_rate_, rate_known, force_known ? &accel_b : nullptr);
+    tilt_.integrate(dt, rate, rate_known, force_known ? &accel_b : nullptr);
+    swing_ = std::max(tilt_.rate_b().norm(), swing_ * (1.0 - dt));
     // half a sample early rather than one late: blocks of equal length on a regular log
     if (tilt_.pending() < settings_.block - 0.5 * dt) return false;
     const Block block = tilt_.close(tilt);

@@ -50,6 +50,8 @@ private:
     Eigen::Vector3d last_rate_ = Eigen::Vector3d::Zero();
     Eigen::Vector3d start_force_ = Eigen::Vector3d::Zero();
     double start_time_ = 0.0, start_turn_ = 0.0;  ///< s, rad
+    UsualStep usual_step_;
+    double swing_ = 0.0;  ///< rad/s, largest rotation rate of the last second or so
 };
 
 }  // namespace schuler::ahrs

@@ -48,16 +48,18 @@ Forward forward_pass(std::span<const ImuSample> imu, std::span<const SpeedSample
     TiltRecord record;
     for (std::size_t i = 1; i < imu.size(); ++i) {
         for (; v < speed.size() && speed[v].time <= imu[i].time; ++v) filter.forward_speed(speed[v].speed, speed[v].std);
-        if ((imu[i].time - imu[i - 1].time).seconds() > settings.guard.longest_step && !f.tilt.empty()) {
+        // the strapdown of this sample is required before the block's updates
+        const int restarts = filter.tilt().restarts();
+        const bool closed = filter.step((imu[i].time - imu[i - 1].time).seconds(), imu[i].gyro, imu[i].accel, &record);
+        if (filter.tilt().restarts() != restarts && !f.tilt.empty()) {
             // a gap: the part before it belongs to the previous block
             constexpr float nearly_the_end = 0.999F;
+            const std::size_t previous = f.tilt.size() - 1;
             for (; first < f.strapdown.size(); ++first) {
-                f.strapdown[first].block = f.tilt.size() - 1;
+                f.strapdown[first].block = previous;
                 f.strapdown[first].along = nearly_the_end;
             }
         }
-        // the strapdown of this sample is required before the block's updates
-        const bool closed = filter.step((imu[i].time - imu[i - 1].time).seconds(), imu[i].gyro, imu[i].accel, &record);
         if (!filter.started()) continue;
         const Eigen::Quaterniond q = closed ? filter.tilt().q_before() : filter.tilt().q_wb();
         f.strapdown.push_back({i, q, filter.tilt().rate_b(), f.tilt.size(), 0.0F});

@@ -5,9 +5,11 @@
 #include "schuler/ahrs/offline.h"
 #include "schuler/ahrs/quaternion_filter.h"
 #include "schuler/ahrs/rest_bias.h"
+#include "schuler/ahrs/resting_rate.h"
 #include "schuler/core/error.h"
 
 #include <algorithm>
+#include <optional>
 
 namespace schuler::ahrs {
 namespace {
@@ -21,6 +23,7 @@ RunResult run_vector_filter(std::span<const ImuSample> imu, std::span<const MagS
     const GuardSettings& g = settings.mekf.guard;
     InstrumentGuard gyro(g.gyro_range, g.stuck_after), accel(g.accel_range, g.stuck_after), field(g.field_range, g.stuck_after);
     RestBias rest(settings.mekf.rest);
+    UsualStep usual;
     Eigen::Vector3d rate = Eigen::Vector3d::Zero();
     std::size_t m = 0;
     for (std::size_t i = 1; i < imu.size(); ++i) {
@@ -28,7 +31,7 @@ RunResult run_vector_filter(std::span<const ImuSample> imu, std::span<const MagS
         const bool rate_known = gyro.usable(imu[i].gyro, out.counters.gyro),
                    force_known = accel.usable(imu[i].accel, out.counters.accel);
         if (rate_known) rate = imu[i].gyro;
-        if (dt > g.longest_step) ++out.counters.gaps;
+        if (dt > 0.0 && usual.exceeded_by(dt, g.gap_factor)) ++out.counters.gaps;
         if (rate_known && force_known && dt > 0.0 && dt <= g.longest_step) rest.feed(dt, imu[i].gyro, imu[i].accel);
         filter.propagate(std::min(dt, g.longest_step), rate - rest.bias());
         if (force_known) filter.accelerometer(imu[i].accel);
@@ -64,11 +67,8 @@ RunResult run_mekf(std::span<const ImuSample> imu, std::span<const MagSample> ma
     return out;
 }
 
-}  // namespace
-
-RunResult run(std::span<const ImuSample> imu, std::span<const MagSample> mag, std::span<const SpeedSample> speed,
-              const RunSettings& settings) {
-    if (imu.size() < 2) throw input_error("the IMU log has fewer than two samples", {}, "check it with `schuler inspect`");
+RunResult run_unbiased(std::span<const ImuSample> imu, std::span<const MagSample> mag, std::span<const SpeedSample> speed,
+                       const RunSettings& settings) {
     VectorFilterSettings vector = settings.vector;
     switch (settings.filter) {
         case FilterKind::Dcm: return run_vector_filter(imu, mag, settings, DcmFilter(vector));
@@ -82,6 +82,21 @@ RunResult run(std::span<const ImuSample> imu, std::span<const MagSample> mag, st
         case FilterKind::Mekf: break;
     }
     return settings.offline ? run_offline(imu, mag, speed, settings.mekf) : run_mekf(imu, mag, speed, settings.mekf);
+}
+
+}  // namespace
+
+RunResult run(std::span<const ImuSample> imu, std::span<const MagSample> mag, std::span<const SpeedSample> speed,
+              const RunSettings& settings) {
+    if (imu.size() < 2) throw input_error("the IMU log has fewer than two samples", {}, "check it with `schuler inspect`");
+    const std::optional<Eigen::Vector3d> bias = resting_rate(imu, mag, settings.mekf.rest);
+    if (!bias) return run_unbiased(imu, mag, speed, settings);
+    std::vector<ImuSample> without(imu.begin(), imu.end());
+    for (ImuSample& s : without) s.gyro -= *bias;
+    RunResult out = run_unbiased(without, mag, speed, settings);
+    for (AttitudeRow& row : out.rows) row.gyro_bias += *bias;
+    out.resting_rate = *bias;
+    return out;
 }
 
 }  // namespace schuler::ahrs

@@ -48,6 +48,7 @@ struct RunResult {
     std::vector<AttitudeRow> rows;  ///< one per IMU sample after the start of the filter
     Counters counters;
     FieldFindings field;
+    Eigen::Vector3d resting_rate = Eigen::Vector3d::Zero();  ///< rad/s, taken off all rates beforehand, and part of the biases
 };
 
 /// Runs a filter. Samples in body axes, in time order; a magnetometer sample is used with the first IMU sample that is not older.

@@ -29,7 +29,8 @@ void MekfSettings::check() const {
                     {"heading.field_time", heading.field_time},
                     {"heading.place_time", heading.place_time},
                     {"rest.after", rest.after},
-                    {"guard.longest_step", guard.longest_step}});
+                    {"guard.longest_step", guard.longest_step},
+                    {"guard.gap_factor", guard.gap_factor}});
 }
 
 }  // namespace schuler::ahrs

@@ -19,6 +19,7 @@ struct GuardSettings {
     Eigen::Vector3d field_range = Eigen::Vector3d::Constant(unlimited);  ///< T
     int stuck_after = 25;       ///< this number of identical consecutive samples indicates a frozen instrument
     double longest_step = 0.5;  ///< s; a longer interval between samples is a gap with unknown rotation
+    double gap_factor = 3.0;    ///< an interval of more than this many usual ones is a gap whose rotation is interpolated
 };
 
 struct RestSettings {

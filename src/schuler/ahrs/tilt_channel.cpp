@@ -70,6 +70,7 @@ void TiltChannel::doubt(double angle) {
         block_ = Block{};
         block_.doubt = doubt;
         samples_ = forces_ = 0;
+        ++restarts_;
     }
     forget_velocity();
     quiet_ = 0.0;

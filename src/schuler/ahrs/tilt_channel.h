@@ -61,6 +61,8 @@ public:
     void forward_speed(double speed, double std, double valid = 1.5);
 
     [[nodiscard]] double pending() const { return block_.duration; }
+    /// How often the accumulated data were discarded because of a doubt beyond what the filter follows.
+    [[nodiscard]] int restarts() const { return restarts_; }
     /// Filter update over the accumulated data. Returns the block; fills `record` if given.
     Block close(TiltRecord* record = nullptr);
 
@@ -90,7 +92,7 @@ private:
     AccelBiasEffect from_accel_bias_ = AccelBiasEffect::Zero();
     Eigen::Vector3d rate_b_ = Eigen::Vector3d::Zero();
     Block block_;
-    int samples_ = 0, forces_ = 0;
+    int samples_ = 0, forces_ = 0, restarts_ = 0;
     double acceleration_level_ = 1.0;
     Eigen::Vector3d slow_rate_ = Eigen::Vector3d::Zero(), slow_force_ = Eigen::Vector3d::Zero();
     bool watching_ = false;

@@ -1,6 +1,7 @@
 #include "schuler/app/commands.h"
 
 #include "schuler/app/inspect_page.h"
+#include "schuler/app/trajectory_clock.h"
 #include "schuler/core/error.h"
 #include "schuler/core/log.h"
 #include "schuler/dataset/recognise.h"
@@ -36,6 +37,10 @@ std::vector<ReferenceSample> samples_of(const std::vector<SolutionRow>& rows) {
     return out;
 }
 
+bool have_time_in_common(const std::vector<SolutionRow>& a, const std::vector<SolutionRow>& b) {
+    return a.front().time <= b.back().time && b.front().time <= a.back().time;
+}
+
 report::Json problems_of(const std::vector<inspect::Problem>& problems) {
     report::Json list = report::Json::array();
     for (const inspect::Problem& p : problems)
@@ -55,9 +60,13 @@ void allow_overwrite(const settings::SettingList& given) {
 
 report::Outcome evaluate_files(const fs::path& solution, const fs::path& reference, double settle) {
     WarningLog warnings;
-    const std::vector<SolutionRow> rows = dataset::read_trajectory(solution, warnings);
-    const std::vector<ReferenceSample> truth = samples_of(dataset::read_trajectory(reference, warnings));
-    const solution::Evaluation e = solution::compare(earth::Earth{}, rows, truth, settle);
+    dataset::Trajectory ours = dataset::read_trajectory(solution, warnings),
+                        theirs = dataset::read_trajectory(reference, warnings);
+    if (!have_time_in_common(ours.rows, theirs.rows)) {  // on one scale, if that is why
+        if (counts_from_1970(ours, solution)) to_gps_time(ours);
+        if (counts_from_1970(theirs, reference)) to_gps_time(theirs);
+    }
+    const solution::Evaluation e = solution::compare(earth::Earth{}, ours.rows, samples_of(theirs.rows), settle);
     report::Outcome out;
     out.tables = report::evaluation_tables(e);
     out.json = report::evaluation_json(e, solution.string(), reference.string());

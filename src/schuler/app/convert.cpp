@@ -1,4 +1,5 @@
 #include "schuler/app/convert_raw.h"
+#include "schuler/app/trajectory_clock.h"
 #include "schuler/core/error.h"
 #include "schuler/core/log.h"
 #include "schuler/dataset/trajectory_file.h"
@@ -84,8 +85,11 @@ report::Outcome convert_file(const fs::path& in, const fs::path& out, const std:
     if (auto streams = convert_streams(in, out, format)) return std::move(*streams);
     const io::Format& wanted = wanted_format(out, format);
     WarningLog warnings;
-    const std::vector<SolutionRow> rows = dataset::read_trajectory(in, warnings);
+    dataset::Trajectory trajectory = dataset::read_trajectory(in, warnings);
     const bool holds_anything = wanted.name == "csv" || wanted.name == "hdf5" || wanted.name == "mat";
+    // Tables keep the times of the file, unless its format is one of another clock than theirs; all other formats have dates.
+    if ((!holds_anything || trajectory.clock == io::Clock::Unix) && counts_from_1970(trajectory, in)) to_gps_time(trajectory);
+    const std::vector<SolutionRow>& rows = trajectory.rows;
     if (!holds_anything && std::ranges::none_of(rows, [](const SolutionRow& r) {
             return std::isfinite(r.position.lat) && std::isfinite(r.position.lon);
         }))

@@ -83,6 +83,17 @@ int gps_minus_utc(std::int64_t utc_seconds_since_1980) {
     return count;
 }
 
+Time gps_from_unix(Time since_1970) {
+    const std::int64_t utc = since_1970.ns - unix_time_of_gps_epoch * ns_per_s;
+    return {utc + gps_minus_utc(utc / ns_per_s) * ns_per_s};
+}
+
+Time unix_from_gps(Time gps) {
+    const std::int64_t seconds = gps.ns / ns_per_s;
+    const int leap = gps_minus_utc(seconds - gps_minus_utc(seconds));
+    return {gps.ns + (unix_time_of_gps_epoch - leap) * ns_per_s};
+}
+
 Time gps_from_utc(const Calendar& utc) {
     // The minute determines the offset, so that second 60 of a leap second still has the offset of its minute.
     const std::int64_t minutes = whole_minutes_in_seconds(utc);

@@ -56,6 +56,9 @@ struct Calendar {
 [[nodiscard]] Time gps_from_utc(const Calendar& utc);
 /// GPS calendar (no leap seconds) to GPS time.
 [[nodiscard]] Time gps_from_calendar(const Calendar& gps);
+/// GPS time as seconds since 1970-01-01 00:00:00 UTC counted without leap seconds (Unix time), and back.
+[[nodiscard]] Time unix_from_gps(Time gps);
+[[nodiscard]] Time gps_from_unix(Time since_1970);
 /// GPS time to UTC calendar; inside a leap second, second is in [60, 61).
 [[nodiscard]] Calendar utc_from_gps(Time gps);
 

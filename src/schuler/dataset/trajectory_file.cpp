@@ -84,16 +84,16 @@ void add_sigmas(std::vector<SolutionRow>& rows, const io::Stream& stream) {
     fill({"std_vn_m_s", "std_ve_m_s", "std_vd_m_s"}, &SolutionRow::std_velocity);
 }
 
-std::vector<SolutionRow> read_stream_rows(const io::StreamPath& where, const io::Format& format, WarningLog& warnings) {
+Trajectory read_stream_rows(const io::StreamPath& where, const io::Format& format, WarningLog& warnings) {
     const io::StreamLog log = format.read(io::TextInput(where.file), warnings);
     const io::Stream& stream = trajectory_of(log, where);
     const std::string text = io::table_text(stream, io::Clock::Boot);  // as columns of a solution
     const io::TextInput table = io::TextInput::memory(text, where.file.string() + "#" + stream.name);
-    if (stream.kind == io::TableKind::Gnss) return rows_of(io::read_gnss_csv(table, {}, warnings).fixes);
-    if (io::is_solution_csv(table)) return io::read_solution_csv(table, warnings);
+    if (stream.kind == io::TableKind::Gnss) return {rows_of(io::read_gnss_csv(table, {}, warnings).fixes), log.clock};
+    if (io::is_solution_csv(table)) return {io::read_solution_csv(table, warnings), log.clock};
     std::vector<SolutionRow> rows = rows_of(read_reference(table, {}, warnings));
     add_sigmas(rows, stream);
-    return rows;
+    return {std::move(rows), log.clock};
 }
 
 /// Fixes in the format of KF-GINS, which have no names: by their values, as samples of an IMU have as many columns.
@@ -103,22 +103,25 @@ bool is_kfgins_gnss(const io::TextInput& input, const fs::path& file) {
     return !report.files.empty() && report.files.front().kind == "kfgins_gnss";
 }
 
-std::vector<SolutionRow> read_rows(const fs::path& file, WarningLog& warnings) {
+Trajectory read_rows(const fs::path& file, WarningLog& warnings) {
     const io::StreamPath where = io::stream_path(file);
     const io::Format* format = io::format_of(where.file);
     const bool has_reader = format != nullptr && (format->name == "rtklib_pos" || format->name == "nmea");  // read directly below
     if (format != nullptr && format->read != nullptr && !has_reader) return read_stream_rows(where, *format, warnings);
     const io::TextInput input(file);
-    if (io::is_rtklib_pos(input)) return rows_of(io::read_rtklib_pos(input, warnings).fixes);
-    if (io::is_nmea(input)) return rows_of(io::read_nmea(input, warnings).fixes);
-    if (io::is_solution_csv(input)) return io::read_solution_csv(input, warnings);
-    if (is_kfgins_gnss(input, file)) return rows_of(io::read_kfgins_gnss(input, warnings).fixes);
-    return rows_of(read_reference(input, {}, warnings));
+    if (io::is_rtklib_pos(input)) return {rows_of(io::read_rtklib_pos(input, warnings).fixes), io::Clock::Gps};
+    if (io::is_nmea(input)) {
+        const io::NmeaLog log = io::read_nmea(input, warnings);
+        return {rows_of(log.fixes), log.has_date ? io::Clock::Gps : io::Clock::Boot};
+    }
+    if (io::is_solution_csv(input)) return {io::read_solution_csv(input, warnings)};
+    if (is_kfgins_gnss(input, file)) return {rows_of(io::read_kfgins_gnss(input, warnings).fixes)};
+    return {rows_of(read_reference(input, {}, warnings))};
 }
 
 }  // namespace
 
-std::vector<SolutionRow> read_trajectory(const fs::path& file, WarningLog& warnings) {
+Trajectory read_trajectory(const fs::path& file, WarningLog& warnings) {
     std::error_code ec;
     fs::path path = file;
     if (!fs::exists(io::stream_path(path).file, ec))
@@ -129,9 +132,10 @@ std::vector<SolutionRow> read_trajectory(const fs::path& file, WarningLog& warni
             throw input_error("is a directory without solution.csv", {file.string(), 0, 0, {}},
                               "name the file of the trajectory");
     }
-    std::vector<SolutionRow> rows = read_rows(path, warnings);
-    if (rows.empty()) throw input_error("has no usable row", {path.string(), 0, 0, {}}, "`schuler inspect` shows what is in it");
-    return rows;
+    Trajectory trajectory = read_rows(path, warnings);
+    if (trajectory.rows.empty())
+        throw input_error("has no usable row", {path.string(), 0, 0, {}}, "`schuler inspect` shows what is in it");
+    return trajectory;
 }
 
 }  // namespace schuler::dataset

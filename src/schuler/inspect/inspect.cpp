@@ -1,12 +1,15 @@
 #include "schuler/inspect/inspect.h"
 
 #include "schuler/core/error.h"
+#include "schuler/inspect/detail/magnetometer_beside.h"
 #include "schuler/inspect/detail/parts.h"
 #include "schuler/inspect/detail/recognise.h"
 #include "schuler/inspect/detail/study.h"
 #include "schuler/inspect/explain.h"
+#include "schuler/io/formats.h"
 #include "schuler/io/own_files.h"
 #include "schuler/io/raw_input.h"
+#include "schuler/io/solution/solution_csv.h"
 #include "schuler/io/streams.h"
 
 #include <fmt/format.h>
@@ -79,6 +82,21 @@ bool is_prose(const fs::path& path) {
                    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     return extension == ".md" || extension == ".html" || extension == ".kml" || extension == ".geojson" || extension == ".json" ||
            extension == ".png" || extension == ".jpg" || extension == ".pdf" || extension == ".py" || extension == ".m";
+}
+
+/// A solution that Schuler wrote: the result of an earlier run, or a conversion of it.
+bool is_own_solution(const fs::path& path) {
+    const std::string name = path.filename().string();
+    if (name == "run.h5" || name == "run.mat") return fs::exists(path.parent_path() / "summary.json");
+    try {
+        const io::FileHead head(path);
+        const std::string_view start = std::string_view(head.bytes).substr(0, 512);
+        if (path.extension() == ".pos") return start.starts_with("% program   : schuler");
+        if (path.extension() == ".mcap") return start.substr(0, 64).find("schuler") != std::string_view::npos;
+        return path.extension() == ".csv" && start.starts_with(io::solution_csv_header());
+    } catch (const Error&) {
+        return false;  // its reader reports the error
+    }
 }
 
 // Suitability of a file for its role: dated formats and those with more of the desired columns first, then by name.
@@ -265,9 +283,13 @@ void load_one(const fs::path& file, const std::string& name, Study& study) {
          (format->name == "novatel" &&
           io::raw_format(file) == io::RawFormat::Novatel));  // raw measurements first, then the receiver's own solution
     if (!streams || receiver) study.files.push_back(as_given(detail::load_file(file, name), study.given));
-    if (!streams)
-        if (std::optional<LoadedFile> fixes = detail::fixes_beside(study.files.back()))
+    if (!streams) {
+        const std::size_t table = study.files.size() - 1;
+        if (std::optional<LoadedFile> fixes = detail::fixes_beside(study.files[table]))
             study.files.push_back(as_given(std::move(*fixes), study.given));
+        if (std::optional<LoadedFile> mag = detail::magnetometer_beside(study.files[table]))
+            study.files.push_back(as_given(std::move(*mag), study.given));
+    }
     if (!streams || (receiver && study.files.back().report.kind != format->name)) return;
     const std::size_t whole = study.files.size() - 1;
     for (LoadedFile& stream : detail::load_streams(file, name, *format)) {
@@ -324,6 +346,16 @@ void load_files(const fs::path& path, Study& study) {
         const bool raw = io::raw_format(file) != io::RawFormat::None;
         if (is_prose(file) || (!given.find_logs && ((raw && !given.find_imu) || file.extension() == ".toml"))) return;
         const std::string name = folder ? fs::relative(file, path, failure).generic_string() : file.filename().string();
+        if (folder && is_own_solution(file)) {
+            LoadedFile& own = study.files.emplace_back();
+            own.path = file;
+            own.report.path = name;
+            own.report.kind = "solution";
+            own.report.start_s = own.report.stop_s = not_given;
+            own.problem(Level::Info, "a solution that Schuler wrote, which is neither a log nor a reference",
+                        fmt::format("to compare with it: [reference] file = \"{}\"", name));
+            return;
+        }
         load_one(file, name, study);
     };
     for (const fs::path& file : others) load(file);
@@ -412,6 +444,7 @@ InspectReport inspect(const std::filesystem::path& path, const Given& given) {
     detail::judge_imu(study);
     detail::judge_gnss(study);
     detail::judge_latency(study);
+    detail::draft_clock(study);
     detail::judge_baro(study);
     detail::judge_mag(study);
     detail::judge_reference(study);

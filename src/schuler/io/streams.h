@@ -38,6 +38,7 @@ struct Stream {
     std::vector<Column> columns;
     std::vector<FixType> fix;  ///< of the same length, or empty
     bool own_frame = false;    ///< a trajectory in its own frame, with arbitrary heading and origin
+    bool by_arrival = false;   ///< dated by the fixes logged beside it: early by the delay with which the receiver puts these out
 
     Stream() = default;
     Stream(std::string stream_name, TableKind of_kind, std::string made_of, std::initializer_list<const char*> names);

@@ -2,6 +2,7 @@
 
 #include "schuler/dataset/raw_observations.h"
 #include "schuler/dataset/recognise.h"
+#include "schuler/io/formats.h"
 #include "schuler/io/solution/kfgins.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/settings/facts.h"
@@ -105,10 +106,13 @@ Dataset from_kfgins(const fs::path& file, const SettingList& above) {
 Dataset from_files(const fs::path& path, dataset::Needs needs, const SettingList& above) {
     Dataset d;
     std::error_code ec;
-    d.folder = fs::is_directory(path, ec) ? path : path.parent_path();
-    d.name = name_of(path);
+    // a folder that is a log itself (KITTI, a ROS 2 bag) lies in another one, as a file does
+    const bool of_logs = fs::is_directory(path, ec) && io::format_of(path) == nullptr;
+    const fs::path log = of_logs || path.has_filename() ? path : path.parent_path();
+    d.folder = of_logs ? log : log.parent_path();
+    d.name = name_of(log);
     d.given = keys_of(above);
-    resolve(d, path, needs, above, true);
+    resolve(d, log, needs, above, true);
     return d;
 }
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <map>
@@ -21,6 +22,25 @@ struct Rule {
 };
 
 std::string unless(bool effect, std::string reason) { return effect ? std::string() : std::move(reason); }
+
+/// Whether a setting differs from its default.
+class Differing {
+public:
+    explicit Differing(const settings::Config& config) : in_force_(settings::config_table().used(config)) {}
+
+    bool operator()(const std::string& key) const {
+        static const settings::SettingList defaults = settings::config_table().used(settings::Config{});
+        return value_in(in_force_, key) != value_in(defaults, key);
+    }
+
+private:
+    static std::string value_in(const settings::SettingList& list, const std::string& key) {
+        const auto it = std::ranges::find(list, key, &settings::Setting::key);
+        return it == list.end() ? std::string() : settings::to_toml(it->value);
+    }
+
+    settings::SettingList in_force_;
+};
 
 /// True if sigmas are stated for every fix.
 bool states_all(const std::vector<GnssFix>& fixes, Eigen::Vector3d GnssFix::*std, bool velocity) {
@@ -170,12 +190,7 @@ std::vector<Rule> sensor_rules(const ResultBundle& b) {
 }  // namespace
 
 std::vector<Ignored> ignored_of(const ResultBundle& b, const std::set<std::string>& given) {
-    static const settings::SettingList defaults = settings::config_table().used(settings::Config{});
-    const settings::SettingList used = settings::config_table().used(b.data.config);
-    const auto value_in = [](const settings::SettingList& list, const std::string& key) {
-        const auto it = std::ranges::find(list, key, &settings::Setting::key);
-        return it == list.end() ? std::string() : settings::to_toml(it->value);
-    };
+    const Differing differs(b.data.config);
     std::vector<Rule> rules = b.command == "gravity" ? gravity_rules(b) : std::vector<Rule>{};  // the first match is used
     std::ranges::move(sensor_rules(b), std::back_inserter(rules));
     if (b.data.config.scheme == settings::Scheme::Gnss && b.command != "gravity")
@@ -191,12 +206,43 @@ std::vector<Ignored> ignored_of(const ResultBundle& b, const std::set<std::strin
     else if (b.command != "gravity") std::ranges::move(inertial_rules(b), std::back_inserter(rules));
     std::vector<Ignored> ignored;
     for (const std::string& key : given) {
-        if ((key == "filter.scheme" && b.command != "gravity") || value_in(used, key) == value_in(defaults, key)) continue;
+        if ((key == "filter.scheme" && b.command != "gravity") || !differs(key)) continue;
         const auto rule = std::ranges::find_if(rules, [&](const Rule& r) {
             return !r.reason.empty() && std::ranges::any_of(r.keys, [&](std::string_view k) { return key.starts_with(k); });
         });
         if (rule != rules.end()) ignored.push_back({key, rule->reason});
     }
+    return ignored;
+}
+
+std::vector<Ignored> ignored_by_attitude(const settings::Config& config, const std::set<std::string>& given) {
+    constexpr std::array<std::string_view, 16> used{"imu.file",         "imu.format",        "imu.source",
+                                                    "imu.columns",      "imu.scale",         "imu.parts",
+                                                    "imu.kind",         "imu.stamp",         "imu.axes",
+                                                    "imu.mounting_deg", "imu.time_offset_s", "imu.clock_drift_ppm",
+                                                    "imu.arrival_time", "imu.gap_factor",    "imu.gyro_range_deg_s",
+                                                    "imu.accel_range_g"};
+    constexpr std::array<std::string_view, 9> used_of_magnetometer{"file",  "format",        "source", "columns",        "scale",
+                                                                   "parts", "time_offset_s", "use",    "declination_deg"};
+    constexpr std::array<std::string_view, 8> used_elsewhere{"name",       "reference.",   "time.",        "run.start_s",
+                                                             "run.stop_s", "output.files", "vehicle.kind", "initial.lat_deg"};
+    // of the receiver: what decides how its velocities and its first position are read
+    constexpr std::array<std::string_view, 10> used_of_gnss{"file",  "format", "source",        "columns",      "scale",
+                                                            "parts", "height", "time_offset_s", "undulation_m", "fix_codes"};
+    const Differing differs(config);
+    const auto is_used = [&](const std::string& key) {
+        const auto within = [&](std::string_view section, const auto& names) {
+            return key.starts_with(section) &&
+                   std::ranges::find(names, std::string_view(key).substr(section.size())) != names.end();
+        };
+        return std::ranges::find(used, key) != used.end() || within("mag.", used_of_magnetometer) ||
+               within("gnss.", used_of_gnss) || key == "initial.lon_deg" || key == "initial.height_m" ||
+               std::ranges::any_of(used_elsewhere, [&](std::string_view k) { return key.starts_with(k); });
+    };
+    std::vector<Ignored> ignored;
+    for (const std::string& key : given)
+        if (!is_used(key) && differs(key))
+            ignored.push_back({key, "attitude filters do not use it"});
     return ignored;
 }
 

@@ -13,6 +13,9 @@ namespace schuler::solution {
 /// omitted.
 [[nodiscard]] std::vector<Ignored> ignored_of(const ResultBundle& bundle, const std::set<std::string>& given);
 
+/// The same for `schuler ahrs`: what attitude filters do not use.
+[[nodiscard]] std::vector<Ignored> ignored_by_attitude(const settings::Config& config, const std::set<std::string>& given);
+
 /// One warning per reason, with the keys it applies to.
 void warn_of_ignored(const std::vector<Ignored>& ignored, WarningLog& warnings);
 

@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 
 namespace schuler::app {
 namespace {
@@ -52,6 +53,17 @@ AhrsEvaluation evaluate(const std::vector<ahrs::AttitudeRow>& rows, const std::v
     return e;
 }
 
+/// A field that points up is that of the southern hemisphere, or all three axes have the wrong sign: only the place tells which.
+void warn_of_field_upward(const AhrsBundle& b, WarningLog& warnings) {
+    constexpr double clearly = 5e-6;  // T
+    if (b.six_axis || b.field_from_model || b.filter != "mekf" || b.result.field.vertical > -clearly) return;
+    warnings.add(
+        "ahrs.mag.upward",
+        "the magnetic field points up, as it does south of the equator only: if the log is not from there, all three axes "
+        "of the magnetometer have the wrong sign and the heading is off by 180 deg; initial.lat_deg and lon_deg with a date "
+        "decide it");
+}
+
 }  // namespace
 
 report::Outcome ahrs_dataset(const AhrsRequest& request) {
@@ -65,6 +77,7 @@ report::Outcome ahrs_dataset(const AhrsRequest& request) {
     b.version = request.common.version;
     b.data = solution::load_dataset(dataset, config, warnings);
     b.ignored = solution::leave_out_chosen(b.data);
+    std::ranges::move(solution::ignored_by_attitude(b.data.config, b.data.given), std::back_inserter(b.ignored));
     const auto wants = [&](std::string_view file) { return config.output.wants(file); };
     if (wants("states") || wants("covariance") || wants("mat"))
         b.ignored.push_back({"output.files", "attitude filters write no \"states\", \"covariance\" or \"mat\""});
@@ -86,6 +99,10 @@ report::Outcome ahrs_dataset(const AhrsRequest& request) {
         throw input_error("the log is too short for an attitude, or has no usable accelerometer sample", {},
                           "give at least 0.1 s of samples; `schuler inspect` shows what is wrong with them");
     tell(b.result.counters, warnings);
+    if (!b.result.resting_rate.isZero())
+        warnings.add("ahrs.gyro.bias", fmt::format("the gyros read {:.2f} deg/s at rest, which is taken off their rates as bias",
+                                                   b.result.resting_rate.norm() / units::deg_per_s));
+    warn_of_field_upward(b, warnings);
     if (input.settings.filter != ahrs::FilterKind::Mekf && input.field_from_model) turn_to_true_north(b);
     b.evaluation = evaluate(b.result.rows, b.data.recording.reference);
     b.warnings = warnings.summary();

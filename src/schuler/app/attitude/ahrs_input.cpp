@@ -189,7 +189,8 @@ AhrsInput ahrs_input(const solution::LoadedDataset& data, const AhrsRequest& req
     }
     if (out.imu.size() < 2)
         throw input_error("fewer than two IMU samples are in the chosen time", {}, "look at --start and --stop");
-    for (const MagSample& s : r.mag) out.mag.push_back({s.time, C_bs * s.field_b});
+    if (f.mag.use)
+        for (const MagSample& s : r.mag) out.mag.push_back({s.time, C_bs * s.field_b});
     while (!out.mag.empty() && out.mag.back().time > out.imu.back().time) out.mag.pop_back();
     out.mag.erase(out.mag.begin(),
                   std::ranges::find_if(out.mag, [&](const MagSample& s) { return s.time >= out.imu.front().time; }));
@@ -198,10 +199,12 @@ AhrsInput ahrs_input(const solution::LoadedDataset& data, const AhrsRequest& req
     out.settings.mekf.six_axis = request.six_axis;
     if (out.mag.empty() && !request.six_axis) {
         out.settings.mekf.six_axis = true;
-        warnings.add("ahrs.six_axis",
-                     fmt::format("no magnetometer: six axes only, heading starts at zero and drifts with the gyro; {}",
-                                 r.mag.empty() ? "a log that is there but left out: --set mag.file=NAME"
-                                               : "its log has no sample within the time of the IMU's: check both time columns"));
+        warnings.add(
+            "ahrs.six_axis",
+            fmt::format("no magnetometer: six axes only, heading starts at zero and drifts with the gyro; {}",
+                        !f.mag.use      ? "mag.use is off"
+                        : r.mag.empty() ? "a log that is there but left out: --set mag.file=NAME"
+                                        : "its log has no sample within the time of the IMU's: check both time columns"));
     }
     ahrs::GuardSettings& guard = out.settings.mekf.guard;
     constexpr double least_rate = 100.0 * units::deg, least_force = 15.0, least_field = 80e-6;
@@ -211,7 +214,14 @@ AhrsInput ahrs_input(const solution::LoadedDataset& data, const AhrsRequest& req
         out.imu, [](const ImuSample& s) { return s.accel; }, least_force, least_force);
     guard.field_range = range_of(
         out.mag, [](const MagSample& s) { return s.field_b; }, least_field, least_field);
+    const auto limited = [](Vector3d& found, double given) {
+        if (given > 0.0) found = found.cwiseMin(given);
+    };
+    limited(guard.gyro_range, f.imu.errors.gyro_range);
+    limited(guard.accel_range, f.imu.errors.accel_range);
+    guard.gap_factor = f.imu.gap_factor;
     field_from_model(data, out, warnings);
+    if (std::isfinite(f.mag.declination)) out.settings.mekf.heading.declination = f.mag.declination;
     straighten(out, warnings);
     check_ahrs_input(out, warnings);
     if (!out.field_from_model) field_from_log(out);

@@ -278,8 +278,10 @@ void judge_samples(Study& study) {
     }
 }
 
-/// Offset and drift of the clock of the IMU and of the logs that share it.
+}  // namespace
+
 void draft_clock(Study& study) {
+    if (study.imu_file == nullptr) return;
     const double weeks = study.dated_fixes_move() ? 0.0 : study.imu_shift;
     const double offset = weeks + study.clock_shift;
     if (offset != 0.0 && !study.given.has("imu.time_offset_s")) {
@@ -305,8 +307,6 @@ void draft_clock(Study& study) {
                         study.clock_drift_sigma);
 }
 
-}  // namespace
-
 void judge_imu(Study& study) {
     if (study.imu_file == nullptr) return;
     study.draft.set("imu", "file", study.imu_file->report.path, fmt::format("{:.4g} Hz", study.imu_file->report.rate_hz));
@@ -318,7 +318,6 @@ void judge_imu(Study& study) {
         true, Known::File);
     if (increments) study.draft.set("imu", "stamp", std::string("end"), "usual for increments", true, Known::Default);
     draft_columns(study, "imu", *study.imu_file, study.imu_units);
-    draft_clock(study);
     judge_axes(study);
     judge_mounting(study);
     check_given_axes(study);

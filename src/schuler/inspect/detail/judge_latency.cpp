@@ -182,6 +182,24 @@ double check_given(Study& study, const char* key, double given, const std::optio
     return otherwise;
 }
 
+/// Sensors dated by the fixes logged beside them are early by what the receiver takes to put these out. To the motion that looks like a
+/// latency of the fixes; but theirs are the right times.
+void attribute_to_sensors(Study& study, Ages& ages) {
+    const Given& given = study.given;
+    if (!study.imu_file->by_arrival || given.latency || given.velocity_latency || given.has("imu.time_offset_s")) return;
+    const std::optional<Age>& shown = ages.position ? ages.position : ages.velocity;
+    if (!shown) return;
+    const double delay = rounded(shown->value - (ages.position ? study.position_age : study.velocity_age));
+    if (!significant(delay, shown->sigma) || delay < 0.0) return;
+    study.clock_shift += delay;
+    study.clock_sigma = std::hypot(study.clock_sigma, shown->sigma);
+    study.clock_evidence +=
+        fmt::format("{}the sensors are dated by the fixes logged beside them, which the receiver puts out {:.2f} s late",
+                    study.clock_evidence.empty() ? "" : "; ", delay);
+    for (std::optional<Age>* age : {&ages.position, &ages.velocity, &ages.height, &ages.velocity_down})
+        if (*age) (*age)->value -= delay;
+}
+
 }  // namespace
 
 void judge_latency(Study& study) {
@@ -200,6 +218,7 @@ void judge_latency(Study& study) {
                                              study.position_age, study.velocity_age));
     }
     Ages ages = measured(study);
+    if (study.imu_file != nullptr) attribute_to_sensors(study, ages);
     report(study, "gnss.latency_s", ages.position, study.position_age, study.states_position_age);
     report(study, "gnss.velocity_latency_s", ages.velocity, study.velocity_age, study.states_velocity_age);
     report(study, "gnss.velocity_behind_position_s", ages.relative, study.velocity_age - study.position_age,

@@ -72,6 +72,7 @@ void take_stream(LoadedFile& file, const io::Stream& stream, io::Clock clock) {
     file.time_ns = stream.time_ns;
     file.fix = stream.fix;
     file.gps_time = clock == io::Clock::Gps;
+    file.by_arrival = stream.by_arrival;
     for (const io::ColumnMatch& match : file.plan.matches) {
         const auto column = std::ranges::find(stream.columns, match.file_name, &io::Stream::Column::name);
         if (column != stream.columns.end()) file.columns[match.canonical] = scaled(column->values, match);

@@ -251,7 +251,8 @@ void tell_other_instruments(LoadedFile& file, const io::TableLayout& layout) {
                      fmt::format("to use them: [{}] file = {}", io::name_of(kind), toml_text(file.report.path)));
     };
     if (file.table != io::TableKind::Imu && file.table != io::TableKind::Gnss) return;
-    tell(io::TableKind::Mag, {"mag_x_ut", "mag_y_ut", "mag_z_ut"}, "a magnetometer");
+    if (file.table != io::TableKind::Imu)  // there they are used: magnetometer_beside
+        tell(io::TableKind::Mag, {"mag_x_ut", "mag_y_ut", "mag_z_ut"}, "a magnetometer");
     tell(io::TableKind::Baro, {"pressure_pa"}, "a barometer");
     std::string speeds, headings;
     for (const std::string& name : file.plan.unused) {

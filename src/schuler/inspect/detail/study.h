@@ -80,6 +80,8 @@ void judge_vehicle(Study& study);      ///< rest, kind
 void judge_imu(Study& study);          ///< axes, mounting, noise, saturation
 void judge_gnss(Study& study);         ///< fixes, sigmas, height, outliers
 void judge_latency(Study& study);
+/// Offset and drift of the clock of the IMU and of the logs that share it.
+void draft_clock(Study& study);
 void judge_baro(Study& study);
 void judge_mag(Study& study);
 void judge_reference(Study& study);

@@ -116,16 +116,27 @@ void judge_accel(LoadedFile& file, std::vector<UnitChange>& changes) {
 }
 
 void judge_mag(LoadedFile& file, std::vector<UnitChange>& changes) {
-    if (!file.has("mag_x_ut") || stated(file, "mag_x_ut")) return;
+    if (!file.has("mag_x_ut")) return;
     const double norm = median_norm(file, "mag_x_ut", "mag_y_ut", "mag_z_ut");
     constexpr std::array<Candidate, 5> candidates{{{"uT", 1.0}, {"gauss", 100.0}, {"mgauss", 0.1}, {"nT", 1e-3}, {"T", 1e6}}};
     if (!(norm > 0.0)) return;
-    const Candidate& best = nearest(candidates, norm, 45.0);
-    if (best.factor == 1.0) return;
-    const double size = norm * best.factor;
-    rescale(file, {"mag_x_ut", "mag_y_ut", "mag_z_ut"}, best.factor);
-    changes.push_back({"mag_ut", best.factor, best.unit, size > 20.0 && size < 70.0 ? 0.9 : 0.5,
-                       fmt::format("the median norm is {:.4g}", norm)});
+    const bool named = stated(file, "mag_x_ut");
+    constexpr double least = 10.0, most = 200.0, earth_least = 20.0, earth_most = 70.0, typical = 45.0;  // uT
+    if (named && norm > least && norm < most) return;  // a magnet nearby, perhaps
+    const double written = norm / (named ? name_factor(file, "mag_x_ut") : 1.0);
+    const bool normalised = std::abs(written - 1.0) < 0.05;
+    Candidate best = normalised ? Candidate{"its own mean", typical / written} : nearest(candidates, written, typical);
+    const double size = written * best.factor;
+    if (named && !(size > earth_least && size < earth_most)) return;
+    const double factor = size / norm;
+    if (std::abs(factor - 1.0) < 1e-6) return;
+    rescale(file, {"mag_x_ut", "mag_y_ut", "mag_z_ut"}, factor);
+    const std::string why = fmt::format("the median norm is {:.4g}, the Earth's field 20 to 70 uT", written);
+    if (named)
+        file.problem(Level::Warning,
+                     fmt::format("the magnetometer columns state a unit that cannot be: {}; {} is used", why, best.unit),
+                     fmt::format("[mag] scale = {{ mag_ut = {:.10g} }}", best.factor));
+    changes.push_back({"mag_ut", best.factor, best.unit, size > earth_least && size < earth_most ? 0.9 : 0.5, why, named});
 }
 
 void judge_position(LoadedFile& file, std::vector<UnitChange>& changes) {

@@ -263,12 +263,9 @@ void write_mcap(const std::filesystem::path& path, std::span<const SolutionRow> 
             std::string(header_definition));
     std::uint32_t number = 0;
     for (const SolutionRow& r : rows) {
-        const std::int64_t utc_seconds = r.time.ns / 1'000'000'000;
         // dated times are converted to UTC from 1970, as in ROS
-        constexpr std::int64_t dated = 100'000'000;
-        const std::int64_t ns =
-            utc_seconds < dated ? r.time.ns
-                                : r.time.ns + (unix_time_of_gps_epoch - gps_minus_utc(utc_seconds)) * std::int64_t{1'000'000'000};
+        constexpr std::int64_t dated = 100'000'000'000'000'000;
+        const std::int64_t ns = r.time.ns < dated ? r.time.ns : unix_from_gps(r.time).ns;
         if (ns < 0)
             throw input_error("a row has a time before zero, which MCAP cannot hold", {}, "give an output with another clock");
         Cdr fix;

@@ -218,6 +218,7 @@ ClockLine line_of(const std::vector<Mark>& marks) {
 Stream imu_stream(const std::array<Axis, 3>& w, const std::array<Axis, 3>& f, const ClockLine& clock, std::string source) {
     Stream s("imu", TableKind::Imu, std::move(source),
              {"gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s", "accel_x_m_s2", "accel_y_m_s2", "accel_z_m_s2"});
+    s.by_arrival = true;
     const std::vector<double>& time = w[0].time;
     std::array<std::vector<double>, 6> v;
     const auto at_these = [&](const Axis& a) { return a.time == time ? a.value : interpolated(time, a.time, a.value, 0.2); };

@@ -1,8 +1,10 @@
 #include "schuler/core/units.h"
+#include "schuler/earth/earth.h"
 #include "schuler/io/formats.h"
 #include "schuler/io/place.h"
 #include "schuler/io/solution/kfgins.h"
 #include "schuler/io/text/columns.h"
+#include "schuler/math/rotation.h"
 
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
@@ -198,6 +200,9 @@ void read_ob_gins(Mapping& root, const std::string& file, KfGinsProject& p) {
         p.std_position = fix.std_position;
         if (fix.time >= p.start) break;
     }
+    // the fix is that of the antenna
+    p.position = earth::moved_by_ned({}, p.position, math::dcm_from_rpy(p.rpy) * -p.lever_arm_b);
+    p.std_position = (p.std_position.array().square() + std::pow(p.std_rpy.norm() * p.lever_arm_b.norm(), 2)).sqrt();
 }
 
 YAML::Node load(const std::string& text, const std::string& file) {
@@ -244,13 +249,13 @@ KfGinsProject read_kfgins_project(const TextInput& input, std::filesystem::path 
         if (p.end && *p.end <= p.start)
             throw root.error(root.find("endtime"), "endtime", "is not after starttime",
                              "write a later time, or -1 for the end of the data");
+        p.lever_arm_b = root.vector("antlever", Vector3d::Zero());
         if (ob_gins) {
             read_ob_gins(root, file, p);
         } else {
             read_noise(root, file, p);
             read_initial(root, p);
         }
-        p.lever_arm_b = root.vector("antlever", Vector3d::Zero());
         root.refuse_unknown();
         return p;
     } catch (const YAML::Exception& e) {

@@ -155,6 +155,12 @@ std::string local_rows(std::span<const SolutionRow> rows, Put put) {
     return out;
 }
 
+/// Dated times count from 1970 UTC in these formats.
+std::int64_t written_ns(Time t) {
+    constexpr std::int64_t dated = 100'000'000'000'000'000;
+    return t.ns < dated ? t.ns : unix_from_gps(t).ns;
+}
+
 void refuse_empty(std::span<const SolutionRow> rows) {
     if (rows.empty()) throw input_error("there is no row to write", {}, "choose a trajectory with positions");
 }
@@ -164,7 +170,7 @@ void write_tum(const std::filesystem::path& path, std::span<const SolutionRow> r
     char cell[widest_number];
     write_file(path, local_rows(rows, [&](std::string& out, const SolutionRow& r, const Eigen::Vector3d& p,
                                           const Eigen::Quaterniond& q, const Eigen::Vector3d&) {
-                   out.append(cell, put_seconds(cell, r.time.ns));
+                   out.append(cell, put_seconds(cell, written_ns(r.time)));
                    fmt::format_to(std::back_inserter(out), " {:.6f} {:.6f} {:.6f} {:.9f} {:.9f} {:.9f} {:.9f}\n", p.x(), p.y(),
                                   p.z(), q.x(), q.y(), q.z(), q.w());
                }));
@@ -178,7 +184,7 @@ void write_euroc(const std::filesystem::path& path, std::span<const SolutionRow>
     text += local_rows(rows, [](std::string& out, const SolutionRow& r, const Eigen::Vector3d& p, const Eigen::Quaterniond& q,
                                 const Eigen::Vector3d& v) {
         fmt::format_to(std::back_inserter(out), "{},{:.6f},{:.6f},{:.6f},{:.9f},{:.9f},{:.9f},{:.9f},{:.6f},{:.6f},{:.6f}\n",
-                       r.time.ns, p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z(), v.x(), v.y(), v.z());
+                       written_ns(r.time), p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z(), v.x(), v.y(), v.z());
     });
     write_file(path, text);
 }
@@ -193,7 +199,7 @@ const Format tum_format = {
     .holds =
         "time, position, unit quaternion: a trajectory in a frame of its own, never an IMU. Written in the east-north-up frame of the first row, which a comment "
         "locates, so that Schuler reads it back as positions on the Earth",
-    .time = "as in the file",
+    .time = "as in the file; dated times are written as UTC from 1970",
     .recognise = is_tum,
     .read = read_tum,
     .write = write_tum};

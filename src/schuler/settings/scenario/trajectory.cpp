@@ -285,7 +285,7 @@ sim::RecordedPath recorded_path(const ScenarioConfig& s) {
     if (s.file.empty()) throw bad("no trajectory to fly again", "trajectory.file", "name it: file = \"reference.csv\"");
     WarningLog unheard;
     const std::filesystem::path file(s.file);
-    const std::vector<SolutionRow> rows = dataset::read_trajectory(file.is_absolute() ? file : s.folder / file, unheard);
+    const std::vector<SolutionRow> rows = dataset::read_trajectory(file.is_absolute() ? file : s.folder / file, unheard).rows;
     sim::RecordedPath path = s.recorded;
     for (const SolutionRow& row : rows) path.points.push_back({(row.time - rows.front().time).seconds(), row.position, row.rpy});
     const double lasts = path.points.empty() ? 0.0 : path.points.back().time;

@@ -1,0 +1,20 @@
+// A gyro bias that is too large for the filters to tell from a rotation, found where the sensor rests.
+#pragma once
+
+#include "schuler/ahrs/settings.h"
+#include "schuler/core/samples.h"
+
+#include <Eigen/Core>
+
+#include <optional>
+#include <span>
+
+namespace schuler::ahrs {
+
+/// Mean rate (rad/s, body) over the first 3 to 10 s of rest, if it is above what the filters take for rest. Rest: rate and specific force stay
+/// constant, and so does the direction of the field, which a rotation about the vertical would turn. Without a magnetometer a rate
+/// about the vertical alone may be a rotation: it is not taken.
+[[nodiscard]] std::optional<Eigen::Vector3d> resting_rate(std::span<const ImuSample> imu, std::span<const MagSample> mag,
+                                                          const RestSettings& settings);
+
+}  // namespace schuler::ahrs
