@@ -171,6 +171,21 @@ TEST_F(Recognition, SetpointsAreNeverMeasurements) {
         expect_kind("unknown", "control.csv", std::string(names) + "\n" + rows);
 }
 
+TEST_F(Recognition, TheGainsOfAControllerAreNoPressure) {
+    std::string pid, tall;
+    for (int i = 0; i < 200; ++i) {
+        pid += fmt::format("{:.2f},0.5,0.4,0.1,{:.4f},0.02,0.001,0,1\n", 10.0 + 0.1 * i, 0.14 + 0.01 * std::sin(0.3 * i));
+        tall += fmt::format("{:.2f},0.5,0.4,0.1,{:.2f},0.02,0.001,0,1\n", 10.0 + 0.1 * i, 980.0 + std::sin(0.3 * i));
+    }
+    for (const std::string& rows : {pid, tall}) expect_kind("unknown", "pid.csv", "timestamp,Tar,Act,Err,P,I,D,FF,Dmod\n" + rows);
+    expect_kind("unknown", "rate.csv", "timestamp,RDes,R,ROut,P,POut,YDes,Y,YOut\n" + pid);
+    expect_kind("unknown", "b.csv", table("time_s,pressure", ",", 0.1, 0.0, 40, {0.14}));
+    expect_kind("unknown", "b.csv", table("time_s,baro_alt", ",", 0.1, 0.0, 40, {3e6}));
+    for (const double air : {1.01325e5, 1013.25, 101.325})
+        expect_kind("baro", "b.csv", table("time_s,pressure", ",", 0.1, 0.0, 40, {air}));
+    expect_kind("baro", "b.csv", table("time_s,T,P", ",", 0.1, 0.0, 40, {20.0, 1013.25}));
+}
+
 TEST_F(Recognition, WhatIsNoLogIsUnknown) {
     const std::vector<std::string> headers = {"time_s,motor_1,motor_2,motor_3,motor_4",
                                               "timestamp,voltage_v,current_a,remaining",
@@ -221,8 +236,10 @@ TEST_F(Recognition, TablesOfKfGinsByTheirValues) {
         expect_kind("kfgins_imu", "imu.txt", out);
     }
     expect_kind("kfgins_gnss", "gnss.txt", table("", " ", 1.0, 1000.0, 40, {30.0, 114.0, 20.0, 0.01, 0.01, 0.03}));
-    expect_kind("kfgins_reference", "truth.nav",
-                table("", " ", 0.005, 1000.0, 40, {30.0, 114.0, 20.0, 1.0, 2.0, 0.0, 0.5, 0.6, 90.0}));
+    std::string truth;
+    for (int i = 0; i < 40; ++i)
+        truth += fmt::format("{:.3f} 30.0 {:.10f} 20.0 0.0 2.0 0.0 0.5 0.6 90.0\n", 1000.0 + 0.005 * i, 114.0 + 1.0372e-7 * i);
+    expect_kind("kfgins_reference", "truth.nav", truth);
     expect_kind("imu", "rates.txt", table("", " ", 0.01, 0.0, 60, {0.01, -0.02, 0.03, 0.1, 0.2, -9.8}));
 }
 

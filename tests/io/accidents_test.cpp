@@ -1,6 +1,7 @@
 // Single rows that cannot be: they cost themselves, counted and told, and nothing else.
 #include "io/io_fixture.h"
 
+#include "schuler/io/formats.h"
 #include "schuler/io/text/csv/csv_recording.h"
 #include "schuler/io/text/fix_codes.h"
 #include "schuler/io/text/repair_times.h"
