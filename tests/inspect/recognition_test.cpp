@@ -171,6 +171,16 @@ TEST_F(Recognition, SetpointsAreNeverMeasurements) {
         expect_kind("unknown", "control.csv", std::string(names) + "\n" + rows);
 }
 
+TEST_F(Recognition, SetpointsByTheColumnsOfActuators) {
+    const std::string rows = table("", ",", 0.02, 5.0, 200, {0.1, 0.2, 0.3, 0.4, 0.5, 0.6});
+    for (const char* names : {"timestamp,roll,pitch,yaw,thrust_body[0],thrust_body[1],thrust_body[2]",
+                              "time,roll,pitch,throttle,yaw,aux1,aux2", "time,throttle_pct,roll,pitch,yaw,aux1,aux2"})
+        expect_kind("unknown", "rates.csv", std::string(names) + "\n" + rows);
+    // of a vehicle that logs where it is, the attitude is its own
+    const std::string flown = table("", ",", 0.1, 5.0, 200, {1.0, 2.0, 90.0, 0.5, 48.1, 11.5});
+    expect_kind("reference", "flight.csv", "time_s,roll_deg,pitch_deg,yaw_deg,throttle,lat,lon\n" + flown);
+}
+
 TEST_F(Recognition, TheGainsOfAControllerAreNoPressure) {
     std::string pid, tall;
     for (int i = 0; i < 200; ++i) {

@@ -66,6 +66,17 @@ static bool names_a_place(const TableLayout& layout) {
     });
 }
 
+/// An attitude beside the thrust of the vehicle is what a controller demands, or the sticks of a pilot, unless the table says where the
+/// vehicle is as well.
+static bool says_thrust(const TableLayout& layout) {
+    const bool thrust = std::ranges::any_of(layout.names, [](const std::string& name) {
+        return std::ranges::any_of(words_of_name(name), [](const std::string& word) {
+            return word.starts_with("thrust") || word.starts_with("throttle");
+        });
+    });
+    return thrust && !names_a_place(layout) && match_columns(layout, TableKind::Reference).find("local_x_m") == nullptr;
+}
+
 /// The letter P alone is a pressure by numbers of the air near the ground, in Pa or hPa, and not among the gains P, I, D of a controller.
 static bool is_pressure(const TableLayout& layout, const ColumnMatch& match) {
     const auto is_letter = [](const std::string& name, const char* letter) {
@@ -103,6 +114,7 @@ std::optional<TableKind> guess_table_kind(const TableLayout& layout) {
         attitude =
             !commanded(reference, "qw") && is_rotation(layout, {reference.find("qw")->column, reference.find("qx")->column,
                                                                 reference.find("qy")->column, reference.find("qz")->column});
+    attitude = attitude && !says_thrust(layout);
     // The derivative of an acceleration is computed, as in the motion file of a simulator, whose accelerations do not show gravity.
     const bool computed = std::ranges::any_of(layout.names, [](const std::string& name) {
         const std::vector<std::string> words = words_of_name(name);
