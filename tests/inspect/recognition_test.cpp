@@ -181,6 +181,23 @@ TEST_F(Recognition, SetpointsByTheColumnsOfActuators) {
     expect_kind("reference", "flight.csv", "time_s,roll_deg,pitch_deg,yaw_deg,throttle,lat,lon\n" + flown);
 }
 
+TEST_F(Recognition, PosesOfCamerasAreNoReference) {
+    std::string named, bare, moving, jumping;
+    for (int i = 0; i < 300; ++i) {
+        const double a = i / 300.0, east = 0.2 * i;
+        const std::string pose = fmt::format("{} {:.6f} {:.6f} 0 0 {:.2f} 0 1.5 1", i, std::cos(a), std::sin(a), 0.1 * i);
+        named += pose + fmt::format(" img{}.jpg\n", i);
+        bare += pose + " 7\n";
+        moving += fmt::format("{:.2f} 48.0 {:.10f} 500 0 4 0 0 0 90\n", 100.0 + 0.05 * i, 11.0 + east / 74'600.0);
+        jumping += fmt::format("{:.2f} 48.0 {:.6f} 500 0 4 0 0 0 90\n", 100.0 + 0.05 * i, 11.0 + 0.001 * i);
+    }
+    expect_kind("unknown", "col.txt", named);
+    expect_kind("unknown", "col.txt", bare);
+    // positions and velocities belong together
+    expect_kind("kfgins_reference", "truth.txt", moving);
+    expect_kind("unknown", "truth.txt", jumping);
+}
+
 TEST_F(Recognition, TheGainsOfAControllerAreNoPressure) {
     std::string pid, tall;
     for (int i = 0; i < 200; ++i) {

@@ -1,6 +1,8 @@
 // Tables of numbers without a header line, by value.
 #include "schuler/inspect/detail/bare_table.h"
 
+#include "schuler/core/units.h"
+#include "schuler/earth/earth.h"
 #include "schuler/inspect/detail/robust.h"
 #include "schuler/io/text/number.h"
 
@@ -44,16 +46,44 @@ bool is_place(const std::vector<std::vector<double>>& c, std::size_t at) {
     return steady && std::abs(lat) > 0.5 && std::abs(lat) <= 90.0 && std::abs(lon) <= 360.0 && h > -1000.0 && h < 60000.0;
 }
 
+// Four adjacent columns from `first` on are a unit quaternion.
+bool is_rotation(const std::vector<std::vector<double>>& c, std::size_t first) {
+    for (std::size_t i = 0; i < c[0].size(); ++i) {
+        const double norm = std::hypot(std::hypot(c[first][i], c[first + 1][i]), std::hypot(c[first + 2][i], c[first + 3][i]));
+        if (!(std::abs(norm - 1.0) < 1e-3)) return false;
+    }
+    return true;
+}
+
 // Four adjacent columns are a unit quaternion: an attitude, whatever else the numbers could be.
 bool has_rotation(const std::vector<std::vector<double>>& c) {
-    for (std::size_t first = 1; first + 4 <= c.size(); ++first) {
-        bool unit = true;
-        for (std::size_t i = 0; unit && i < c[0].size(); ++i)
-            unit = std::abs(std::hypot(std::hypot(c[first][i], c[first + 1][i]), std::hypot(c[first + 2][i], c[first + 3][i])) -
-                            1.0) < 1e-3;
-        if (unit) return true;
-    }
+    for (std::size_t first = 1; first + 4 <= c.size(); ++first)
+        if (is_rotation(c, first)) return true;
     return false;
+}
+
+/// A column of text, such as the names of images, is none of a log of numbers.
+bool all_numbers(const std::vector<std::vector<double>>& c) {
+    return std::ranges::all_of(c, [](const std::vector<double>& column) {
+        return std::ranges::any_of(column, [](double x) { return std::isfinite(x); });
+    });
+}
+
+/// Over the sample the position of a trajectory (columns 1 to 3) goes where its velocity (4 to 6, north, east, down) leads.
+bool goes_with_velocity(const std::vector<std::vector<double>>& c) {
+    Eigen::Vector3d led = Eigen::Vector3d::Zero();
+    double path = 0.0;
+    const std::size_t last = c[0].size() - 1;
+    const auto velocity = [&](std::size_t i) { return Eigen::Vector3d(c[4][i], c[5][i], c[6][i]); };
+    for (std::size_t i = 1; i <= last; ++i) {
+        const Eigen::Vector3d step = 0.5 * (velocity(i) + velocity(i - 1)) * (c[0][i] - c[0][i - 1]);
+        led += step;
+        path += step.norm();
+    }
+    const auto place = [&](std::size_t i) { return Geodetic{c[1][i] * units::deg, c[2][i] * units::deg, c[3][i]}; };
+    const Eigen::Vector3d gone = earth::ned_difference(earth::Earth{}, place(last), place(0));
+    constexpr double digits = 2.0, share = 0.3;  // m, of positions with five decimals; of turns and coarse steps
+    return (gone - led).norm() < digits + share * path;
 }
 
 // True for rates of a portable instrument: neither positions nor growing angles.
@@ -106,7 +136,7 @@ void name_columns(LoadedFile& file, std::initializer_list<const char*> names) {
 // Tables of numbers without a header line: the formats of the KF-GINS program and similar ones, by value.
 bool recognise_without_header(LoadedFile& file, const io::TableLayout& layout) {
     const std::vector<std::vector<double>> c = sample_columns(layout);
-    if (c.size() < 7 || !ascending(c[0])) return false;
+    if (c.size() < 7 || !ascending(c[0]) || !all_numbers(c)) return false;
     const bool week_first = c.size() >= 8 && largest(c[0]) < 5000.0 && std::floor(c[0][0]) == c[0][0];
     if (!week_first && (c.size() == 7 || c.size() == 13) && is_place(c, 1)) {
         file.report.kind = "kfgins_gnss";
@@ -119,7 +149,7 @@ bool recognise_without_header(LoadedFile& file, const io::TableLayout& layout) {
         }
         return true;
     }
-    if (c.size() == 10 && is_place(c, 1)) {
+    if (c.size() == 10 && is_place(c, 1) && !is_rotation(c, 1) && goes_with_velocity(c)) {
         file.report.kind = "kfgins_reference";
         file.table = io::TableKind::Reference;
         file.plan.kind = io::TableKind::Reference;
