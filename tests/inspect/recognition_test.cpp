@@ -213,6 +213,24 @@ TEST_F(Recognition, TheGainsOfAControllerAreNoPressure) {
     expect_kind("baro", "b.csv", table("time_s,T,P", ",", 0.1, 0.0, 40, {20.0, 1013.25}));
 }
 
+TEST_F(Recognition, ScatteredPlacesAreNoTrack) {
+    std::string quakes, rest, track;
+    unsigned state = 1;
+    const auto random = [&] { return (state = state * 1664525u + 1013904223u) / 4294967296.0; };
+    for (int i = 0; i < 200; ++i) {
+        const int minute = 3 * i + static_cast<int>(2.0 * random());
+        quakes += fmt::format("2024-05-01T{:02d}:{:02d}:12.125Z,{:.4f},{:.4f},{:.1f},{:.1f},ml\n", minute / 60, minute % 60,
+                              120.0 * random() - 60.0, 340.0 * random() - 170.0, 100.0 * random(), 5.0 * random());
+        rest += fmt::format("{},{:.7f},{:.7f},{:.2f}\n", i, 48.0 + 5e-4 * random(), 11.0 + 5e-4 * random(), 500.0 + random());
+        track += fmt::format("{},{:.7f},{:.7f},7e5\n", 60 * i, 60.0 * std::sin(0.067 * i), 0.1 * i);
+    }
+    expect_kind("unknown", "quakes.csv", "time,latitude,longitude,depth,mag,magType\n" + quakes);
+    expect_kind("gnss", "rest.csv", "time_s,lat,lon,height\n" + rest);
+    expect_kind("gnss", "orbit.csv", "time_s,lat,lon,height\n" + track);
+    expect_kind("unknown", "sp.csv", table("time,lat,lon,yaw", ",", 1.0, 0.0, 40, {48.0, 11.0, 90.0}));
+    expect_kind("gnss", "dual.csv", table("time,lat,lon,yaw,fix_type", ",", 1.0, 0.0, 40, {48.0, 11.0, 90.0, 3.0}));
+}
+
 TEST_F(Recognition, WhatIsNoLogIsUnknown) {
     const std::vector<std::string> headers = {"time_s,motor_1,motor_2,motor_3,motor_4",
                                               "timestamp,voltage_v,current_a,remaining",

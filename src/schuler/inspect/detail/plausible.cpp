@@ -1,5 +1,6 @@
 #include "schuler/inspect/detail/plausible.h"
 
+#include "schuler/core/units.h"
 #include "schuler/inspect/detail/robust.h"
 
 #include <fmt/format.h>
@@ -37,10 +38,46 @@ std::pair<std::string, std::string> no_air(const LoadedFile& file) {
     return {};
 }
 
+/// Positions of events or of several objects in turn: from row to row they are as far apart as any two rows. Those of one antenna change
+/// less from row to row than over the log, or scatter by what a receiver errs.
+std::pair<std::string, std::string> no_track(const LoadedFile& file) {
+    if (!file.has("lat_deg") || !file.has("lon_deg")) return {};
+    constexpr double ticks = 1e-7, circle = 360.0, farthest = 0.01, share = 0.7;  // of a receiver's error, deg: 1 km
+    const double unit = std::abs(typical(file, "lat_deg")) > circle ? ticks : 1.0;
+    std::vector<double> lat, lon;
+    for (std::size_t i = 0; i < file.time_ns.size(); ++i) {
+        const double north = unit * file["lat_deg"][i], east = unit * file["lon_deg"][i];
+        if (!std::isfinite(north) || !std::isfinite(east) || (north == 0.0 && east == 0.0)) continue;
+        lat.push_back(north);
+        lon.push_back(east);
+    }
+    constexpr std::size_t fewest = 10;
+    if (lat.size() < fewest) return {};
+    const double middle_lat = median(lat), middle_lon = median(lon);
+    const auto apart = [&](std::size_t i, double other_lat, double other_lon) {
+        const double shrink = std::cos(middle_lat * units::deg);
+        return std::hypot(lat[i] - other_lat, std::remainder(lon[i] - other_lon, circle) * shrink);
+    };
+    std::vector<double> steps, distances;
+    for (std::size_t i = 1; i < lat.size(); ++i) {
+        steps.push_back(apart(i, lat[i - 1], lon[i - 1]));
+        distances.push_back(apart(i, middle_lat, middle_lon));
+    }
+    const double step = median(std::move(steps));
+    if (step < farthest || step < share * median(std::move(distances))) return {};
+    return {fmt::format(
+                "the positions jump by {:.3g} deg from row to row, as those of events or of several objects: they are not the "
+                "track of one antenna, and not used",
+                step),
+            fmt::format("if they are a receiver's fixes: [gnss] file = {}", toml_text(file.report.path))};
+}
+
 }  // namespace
 
 std::pair<std::string, std::string> implausible(const LoadedFile& file) {
-    return file.table == io::TableKind::Baro ? no_air(file) : std::pair<std::string, std::string>{};
+    if (file.table == io::TableKind::Baro) return no_air(file);
+    if (file.table == io::TableKind::Gnss) return no_track(file);
+    return {};
 }
 
 }  // namespace schuler::inspect::detail

@@ -77,6 +77,19 @@ static bool says_thrust(const TableLayout& layout) {
     return thrust && !names_a_place(layout) && match_columns(layout, TableKind::Reference).find("local_x_m") == nullptr;
 }
 
+/// A place with a yaw and with nothing else that a receiver tells: where to go, or an estimate, which does not show.
+static bool is_waypoint(const TableLayout& layout) {
+    const ColumnPlan plan = match_columns(layout, TableKind::Gnss);
+    const bool yaw = std::ranges::any_of(plan.unused, [](const std::string& name) {
+        const std::vector<std::string> words = words_of_name(name);
+        return std::ranges::find(words, "yaw") != words.end();
+    });
+    const auto coordinate = [](const ColumnMatch& m) {
+        return m.canonical == "time_s" || m.canonical == "lat_deg" || m.canonical == "lon_deg";
+    };
+    return yaw && std::ranges::all_of(plan.matches, coordinate);
+}
+
 /// The letter P alone is a pressure by numbers of the air near the ground, in Pa or hPa, and not among the gains P, I, D of a controller.
 static bool is_pressure(const TableLayout& layout, const ColumnMatch& match) {
     const auto is_letter = [](const std::string& name, const char* letter) {
@@ -131,7 +144,7 @@ std::optional<TableKind> guess_table_kind(const TableLayout& layout) {
                    : std::optional(TableKind::Imu);
     }
     if (attitude || complete(TableKind::Reference, {"time_s", "ecef_x_m", "ecef_y_m", "ecef_z_m"})) return TableKind::Reference;
-    if (complete(TableKind::Gnss, {"time_s", "lat_deg", "lon_deg"}))
+    if (complete(TableKind::Gnss, {"time_s", "lat_deg", "lon_deg"}) && !is_waypoint(layout))
         return is_estimate(match_columns(layout, TableKind::Gnss).find("lat_deg")->file_name) ? TableKind::Reference
                                                                                               : TableKind::Gnss;
     if (complete(TableKind::Mag, {"time_s", "mag_x_ut", "mag_y_ut", "mag_z_ut"})) return TableKind::Mag;
