@@ -213,6 +213,14 @@ TEST_F(Recognition, TheGainsOfAControllerAreNoPressure) {
     expect_kind("baro", "b.csv", table("time_s,T,P", ",", 0.1, 0.0, 40, {20.0, 1013.25}));
 }
 
+TEST_F(Recognition, ForcesAndTorquesAreNoField) {
+    const std::string rows = table("", ",", 0.01, 0.0, 100, {1.0, 2.0, 30.0, 20.0, 5.0, 40.0});
+    for (const char* names : {"time,fx,fy,fz,mx,my,mz", "time,mx,my,mz,fx,fy,fz",
+                              "time,Fx (N),Fy (N),Fz (N),Mx (Nm),My (Nm),Mz (Nm)", "time,force_x,force_y,force_z,mx,my,mz"})
+        expect_kind("unknown", "ft.csv", std::string(names) + "\n" + rows);
+    expect_kind("mag", "m.csv", "time,mx,my,mz,a,b,c\n" + rows);
+}
+
 TEST_F(Recognition, ScatteredPlacesAreNoTrack) {
     std::string quakes, rest, track;
     unsigned state = 1;

@@ -90,6 +90,18 @@ static bool is_waypoint(const TableLayout& layout) {
     return yaw && std::ranges::all_of(plan.matches, coordinate);
 }
 
+/// mx, my, mz beside forces, and without the gyros of an IMU, are the torques of a force sensor.
+static bool is_torque(const TableLayout& layout) {
+    const std::string letter = words_of_name(match_columns(layout, TableKind::Mag).find("mag_x_ut")->file_name).front();
+    if (letter != "m" && letter != "mx") return false;
+    return std::ranges::any_of(layout.names, [](const std::string& name) {
+        const std::vector<std::string> words = words_of_name(name);
+        if (words.empty()) return false;
+        if (words.front() == "fx" || (words.size() > 1 && words[0] == "f" && words[1] == "x")) return true;
+        return std::ranges::any_of(words, [](const std::string& w) { return w.starts_with("force") || w.starts_with("torque"); });
+    });
+}
+
 /// The letter P alone is a pressure by numbers of the air near the ground, in Pa or hPa, and not among the gains P, I, D of a controller.
 static bool is_pressure(const TableLayout& layout, const ColumnMatch& match) {
     const auto is_letter = [](const std::string& name, const char* letter) {
@@ -147,7 +159,7 @@ std::optional<TableKind> guess_table_kind(const TableLayout& layout) {
     if (complete(TableKind::Gnss, {"time_s", "lat_deg", "lon_deg"}) && !is_waypoint(layout))
         return is_estimate(match_columns(layout, TableKind::Gnss).find("lat_deg")->file_name) ? TableKind::Reference
                                                                                               : TableKind::Gnss;
-    if (complete(TableKind::Mag, {"time_s", "mag_x_ut", "mag_y_ut", "mag_z_ut"})) return TableKind::Mag;
+    if (complete(TableKind::Mag, {"time_s", "mag_x_ut", "mag_y_ut", "mag_z_ut"}) && !is_torque(layout)) return TableKind::Mag;
     if ((complete(TableKind::Baro, {"time_s", "height_m"}) && !names_a_place(layout)) ||
         (complete(TableKind::Baro, {"time_s", "pressure_pa"}) &&
          is_pressure(layout, *match_columns(layout, TableKind::Baro).find("pressure_pa"))))
