@@ -102,6 +102,8 @@ std::optional<Candidate> recognise(const Quantity& quantity, const Words& words)
         if (first > 0 && quantity.dimension == Dimension::Time &&
             (words[first - 1].starts_with("vel") || words[first - 1].starts_with("pos")))
             break;
+        // Nor are the components and sigmas of a velocity those of a position.
+        if (first > 0 && quantity.dimension == Dimension::Length && words[first - 1].starts_with("vel")) break;
         for (std::size_t unit_words = std::min<std::size_t>(3, words.size() - first) + 1; unit_words-- > 0;) {
             const std::size_t stop = words.size() - unit_words;
             if (stop == first && unit_words > 0) continue;
