@@ -239,6 +239,18 @@ TEST_F(Recognition, ScatteredPlacesAreNoTrack) {
     expect_kind("gnss", "dual.csv", table("time,lat,lon,yaw,fix_type", ",", 1.0, 0.0, 40, {48.0, 11.0, 90.0, 3.0}));
 }
 
+TEST_F(Recognition, WhatIsNoNumberIsShown) {
+    std::string rows = "time_s,lat,lon,alt\n";
+    for (int i = 0; i < 300; ++i) rows += fmt::format("{},48.{:05d},11.5,\"1,521.{:02d}\"\n", i, 1000 + i, i % 100);
+    const FileReport report = of("gps.csv", rows);
+    const auto shown = std::ranges::find_if(report.problems, [](const Problem& p) {
+        return p.text.find("300 of 300 rows have no number in alt, the first '1,521.00'") != std::string::npos;
+    });
+    ASSERT_NE(shown, report.problems.end());
+    EXPECT_EQ(shown->hint.find("nothing to do"), std::string::npos);
+    EXPECT_NE(shown->hint.find("1521.17"), std::string::npos) << shown->hint;
+}
+
 TEST_F(Recognition, WhatIsNoLogIsUnknown) {
     const std::vector<std::string> headers = {"time_s,motor_1,motor_2,motor_3,motor_4",
                                               "timestamp,voltage_v,current_a,remaining",

@@ -197,6 +197,18 @@ TEST_F(Accidents, CodesThatNobodyKnowsAreAskedFor) {
     }
 }
 
+TEST_F(Accidents, AHeightThatIsNoNumberIsNamed) {
+    std::string text = "time_s,lat,lon,alt\n";
+    for (int i = 0; i < 300; ++i) text += fmt::format("{},48.{:05d},11.5,1'521.{:02d}\n", i, 1000 + i, i % 100);
+    test::expect_parts(test::message_of([&] { (void)gnss(text); }),
+                       {"gnss.csv:2", "column 4", "alt", "'1'521.00' is not a number"});
+    std::string some = "time_s,lat,lon,alt\n";
+    for (int i = 0; i < 300; ++i)
+        some +=
+            i % 2 == 0 ? fmt::format("{},48.{:05d},11.5,521\n", i, 1000 + i) : fmt::format("{},48.{:05d},11.5,\n", i, 1000 + i);
+    test::expect_parts(test::message_of([&] { (void)gnss(some); }), {"gnss.csv:3", "column 4", "(150 of 300 rows"});
+}
+
 TEST_F(Accidents, ACutOrDamagedMatFileIsTold) {
     std::vector<SolutionRow> rows(200);
     for (std::size_t i = 0; i < rows.size(); ++i) {
