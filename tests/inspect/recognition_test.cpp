@@ -239,6 +239,34 @@ TEST_F(Recognition, ScatteredPlacesAreNoTrack) {
     expect_kind("gnss", "dual.csv", table("time,lat,lon,yaw,fix_type", ",", 1.0, 0.0, 40, {48.0, 11.0, 90.0, 3.0}));
 }
 
+TEST_F(Recognition, TimesByTheirUsualNames) {
+    for (const char* time : {"DateTime", "datetime", "Date/Time", "Timestamp (UTC)", "timestamp_utc", "datetime_utc", "UTC",
+                             "Date", "time_iso", "ISO time", "local_time", "recorded_at", "created_at"}) {
+        std::string rows = std::string(time) + ",lat,lon,height\n";
+        for (int i = 0; i < 40; ++i)
+            rows += fmt::format("2024-05-01T{:02d}:{:02d}:00.5Z,48.{:05d},11.5,500\n", 10 + i / 60, i % 60, 1000 + i);
+        const FileReport report = of("gps.csv", rows);
+        EXPECT_EQ(report.kind, "gnss") << time;
+        EXPECT_EQ(report.start_s, 1714557600.5) << time;
+        EXPECT_TRUE(std::ranges::none_of(report.problems, [](const Problem& p) {
+            return p.text.find("unit") != std::string::npos;
+        })) << report.problems.front().text;
+        // numbers below such a name have no known origin
+        if (std::string(time) == "Date" || std::string(time) == "UTC")
+            expect_kind("unknown", "gps.csv",
+                        table(std::string(time) + ",lat,lon,height", ",", 1.0, 120000.0, 40, {48.0, 11.0, 500.0}));
+    }
+    const auto apart = of("gps.csv", [] {
+        std::string rows = "date,time,lat,lon,height\n";
+        for (int i = 0; i < 40; ++i)
+            rows += fmt::format("2024-05-0{},{:02d}:59:{:02d}.5,48.{:05d},11.5,500\n", i < 20 ? 1 : 2, i < 20 ? 23 : 0,
+                                40 + i % 20, 1000 + i);
+        return rows;
+    }());
+    EXPECT_EQ(apart.kind, "gnss");
+    EXPECT_EQ(apart.start_s, 1714607980.5);
+}
+
 TEST_F(Recognition, WhatIsNoNumberIsShown) {
     std::string rows = "time_s,lat,lon,alt\n";
     for (int i = 0; i < 300; ++i) rows += fmt::format("{},48.{:05d},11.5,\"1,521.{:02d}\"\n", i, 1000 + i, i % 100);

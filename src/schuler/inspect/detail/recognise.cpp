@@ -193,6 +193,11 @@ void judge_time_unit(LoadedFile& file, const io::TableLayout& layout) {
     const auto match =
         std::find_if(file.plan.matches.begin(), file.plan.matches.end(), [](const auto& m) { return m.canonical == "time_s"; });
     if (match->unit_stated || file.time_ns.size() < 3 || match->time_unit != io::TimeUnit::Seconds) return;
+    const auto column = static_cast<std::size_t>(match->column);
+    const auto is_text = [&](const std::vector<std::string>& row) {  // a date or a time of day needs no unit
+        return column < row.size() && std::isnan(io::number_from(row[column])) && !io::is_missing_value(row[column]);
+    };
+    if (std::ranges::any_of(layout.sample, is_text)) return;
     std::vector<double> steps;
     for (std::size_t i = 1; i < std::min<std::size_t>(file.time_ns.size(), 2000); ++i) {
         const double step = static_cast<double>(file.time_ns[i] - file.time_ns[i - 1]) * 1e-9;

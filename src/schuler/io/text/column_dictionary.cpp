@@ -117,11 +117,14 @@ constexpr std::array named_units = {
     NamedUnit{Dimension::Temperature, "degf", {5.0 / 9.0, -160.0 / 9.0}},
 };
 
+/// Of dates with the time of day.
+constexpr const char* calendar_stems = "datetime date_time datetime_utc date_time_utc iso_time time_iso iso_timestamp utc date";
+
 constexpr const char* time_stems =
     "time t timestamp time_stamp stamp gps_time gpstime gpst tow gps_tow gpstow time_of_week sow gps_sow gps_seconds gps_sec "
     "sec_of_week i_tow "
     "seconds_of_week time_gps time_startup time_boot time_since_start time_imu header_stamp seconds_elapsed elapsed_seconds itow utc_time time_utc epoch elapsed "
-    "elapsed_time ts unix_time time_unix unix_timestamp timestamp_unix epoch_time gps_time_of_week sample_time time_sample "
+    "elapsed_time recorded_at created_at local_time timestamp_utc ts unix_time time_unix unix_timestamp timestamp_unix epoch_time gps_time_of_week sample_time time_sample "
     "| sec secs second seconds s ms us ns timer millis micros";
 
 using D = Dimension;
@@ -162,7 +165,7 @@ std::vector<Quantity> with(std::vector<Quantity> a, const std::vector<Quantity>&
     return a;
 }
 
-const std::vector<Quantity> time_only = {{"time_s", D::Time, time_stems}};
+const std::vector<Quantity> time_only = {{"time_s", D::Time, time_stems}, {"time_s", D::Calendar, calendar_stems}};
 
 std::string with_axis(std::string pattern, char axis) {
     std::replace(pattern.begin(), pattern.end(), '@', axis);

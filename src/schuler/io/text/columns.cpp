@@ -168,6 +168,7 @@ std::optional<Candidate> best_for(const Quantity& quantity, const TableLayout& l
         if (!c) continue;
         c->empty = column_is_empty(layout, column);
         if (quantity.dimension == Dimension::Time && detail::is_fraction_of_seconds(layout, column)) continue;
+        if (quantity.dimension == Dimension::Calendar && !detail::holds_dates(layout, column)) continue;
         if (!c->match.unit_stated && i < layout.units.size())
             apply_unit(quantity, joined(words_of_name(layout.units[i]), 0, words_of_name(layout.units[i]).size()), c->match);
         if (quantity.dimension == Dimension::Time && !c->match.unit_stated)
@@ -177,8 +178,9 @@ std::optional<Candidate> best_for(const Quantity& quantity, const TableLayout& l
         c->match.file_name = layout.names[i];
         // Fixes held at the rate of another instrument repeat their own time rightly.
         constexpr double nearly_all = 0.9;
-        c->repeats = quantity.dimension == Dimension::Time && kind == TableKind::Imu &&
-                     detail::repeated_share(layout, column) > nearly_all;
+        c->repeats = quantity.dimension == Dimension::Calendar ||  // coarse beside a count of seconds
+                     (quantity.dimension == Dimension::Time && kind == TableKind::Imu &&
+                      detail::repeated_share(layout, column) > nearly_all);
         if (!best || c->better_than(*best)) best = std::move(c);
     }
     return best;

@@ -55,7 +55,7 @@ TableReader::TableReader(const TextInput& input, const TableLayout& layout, std:
         if (r.companion < 0) continue;
         companions_.emplace_back(i, requests_.size());
         requests_.push_back({.column = r.companion,
-                             .kind = r.kind == FieldKind::Time ? FieldKind::Time : FieldKind::Text,
+                             .kind = r.kind == FieldKind::Time && !r.companion_date ? FieldKind::Time : FieldKind::Text,
                              .unit = r.companion_unit,
                              .required = false,
                              .name = r.name});
@@ -145,12 +145,18 @@ const char* TableReader::read_row(const char* p) {
     return p;
 }
 
-/// Adds fractions to whole seconds, and gives angles the sign of their hemisphere; the value is missing if that is.
+/// Adds fractions to whole seconds and dates to times of day, and gives angles the sign of their hemisphere; the value is missing if that is.
 void TableReader::complete() {
     for (const auto& [field, other] : companions_) {
         if (slots_[field].kind == FieldKind::Time) {
             constexpr std::int64_t second = 1'000'000'000;
             if (times_[field] == no_time) continue;
+            if (requests_[field].companion_date) {
+                constexpr std::int64_t day = 86'400 * second;
+                if (const auto days = detail::days_of_date(texts_[other], false)) times_[field] += *days * day;
+                else missing(field, texts_[other]);
+                continue;
+            }
             if (times_[other] < 0 || times_[other] >= second) missing(field, {});
             else times_[field] += times_[other];
         } else if (!std::isnan(numbers_[field])) {

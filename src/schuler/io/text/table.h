@@ -53,6 +53,7 @@ struct FieldRequest {
     std::string name;    ///< used in messages
     int companion = -1;  ///< column of the letter of the hemisphere of an Angle, or of the fraction of a Time in whole seconds
     TimeUnit companion_unit = TimeUnit::Nanoseconds;  ///< of that fraction
+    bool companion_date = false;                      ///< the companion of a Time of day is its date
     bool degrees_minutes = false;                     ///< an Angle of whole degrees times 100 and minutes
 };
 
