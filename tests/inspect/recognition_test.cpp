@@ -279,6 +279,33 @@ TEST_F(Recognition, WhatIsNoNumberIsShown) {
     EXPECT_NE(shown->hint.find("1521.17"), std::string::npos) << shown->hint;
 }
 
+TEST_F(Recognition, ArchivesAreToldToBeUnpacked) {
+    std::string tar(512, '\0');
+    tar.replace(0, 7, "imu.csv");
+    tar.replace(257, 5, "ustar");
+    for (const auto& [name, bytes, what] : {std::tuple("log.zip", std::string("PK\3\4", 4) + std::string(300, '\1'), "zip"),
+                                            std::tuple("log.tar", tar + std::string(512, 'x'), "tar"),
+                                            std::tuple("log.7z", "7z\xbc\xaf\x27\x1c" + std::string(300, '\1'), "7z"),
+                                            std::tuple("log.csv.xz",
+                                                       std::string("\xfd"
+                                                                   "7zXZ\0",
+                                                                   6) +
+                                                           std::string(300, '\1'),
+                                                       "xz"),
+                                            std::tuple("log.csv.zst", "\x28\xb5\x2f\xfd" + std::string(300, '\1'), "zstd")}) {
+        const InspectReport report = inspect(write(name, bytes));
+        ASSERT_EQ(report.files.size(), 1U);
+        EXPECT_EQ(report.files.front().kind, "unknown");
+        ASSERT_FALSE(report.files.front().problems.empty()) << name;
+        EXPECT_NE(report.files.front().problems.front().text.find(std::string("packed with ") + what), std::string::npos)
+            << report.files.front().problems.front().text;
+        EXPECT_NE(report.files.front().problems.front().hint.find("unpack"), std::string::npos);
+        EXPECT_TRUE(std::ranges::any_of(report.problems, [](const Problem& p) {
+            return p.level == Level::Error && p.hint.find("unpack") != std::string::npos;
+        })) << name;
+    }
+}
+
 TEST_F(Recognition, WhatIsNoLogIsUnknown) {
     const std::vector<std::string> headers = {"time_s,motor_1,motor_2,motor_3,motor_4",
                                               "timestamp,voltage_v,current_a,remaining",

@@ -13,7 +13,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 namespace schuler::inspect::detail {
@@ -82,6 +84,24 @@ bool recognise_plain_aid(LoadedFile& file, const io::TableLayout& layout) {
     }
     read_table(file, layout);
     return true;
+}
+
+/// The archiver or compression of a file by its signature; empty for any other file.
+std::string_view packed_with(std::string_view bytes) {
+    using namespace std::string_view_literals;
+    static constexpr std::array signatures = {std::pair("PK\3\4"sv, "zip"sv),
+                                              std::pair("7z\xbc\xaf\x27\x1c"sv, "7z"sv),
+                                              std::pair("\xfd"
+                                                        "7zXZ\0"sv,
+                                                        "xz"sv),
+                                              std::pair("\x28\xb5\x2f\xfd"sv, "zstd"sv),
+                                              std::pair("Rar!\x1a\x07"sv, "rar"sv),
+                                              std::pair("\x04\x22\x4d\x18"sv, "lz4"sv)};
+    for (const auto& [signature, name] : signatures)
+        if (bytes.starts_with(signature)) return name;
+    if (bytes.starts_with("BZh") && bytes.size() > 4 && bytes.substr(4).starts_with("1AY&SY")) return "bzip2";
+    constexpr std::size_t place_of_tar = 257;
+    return bytes.size() > place_of_tar && bytes.substr(place_of_tar).starts_with("ustar") ? "tar" : "";
 }
 
 /// The format of several instruments usual for files of this extension.
@@ -273,6 +293,13 @@ void recognise_and_read(LoadedFile& file) {
     const io::FileHead head(file.path);
     if (head.bytes.empty()) {
         file.problem(Level::Error, "the file is empty", "check that the log was written and copied completely");
+        return;
+    }
+    if (const std::string_view method = packed_with(head.bytes); !method.empty()) {
+        file.problem(Level::Warning, fmt::format("is packed with {}, and not read", method),
+                     head.extension == ".xlsx" || head.extension == ".ods"
+                         ? "save the sheet as CSV"
+                         : "unpack it beside the other logs (of compressed files only .gz is read)");
         return;
     }
     const io::RawFormat raw = io::raw_format(file.path);
