@@ -306,6 +306,14 @@ TEST_F(Recognition, ArchivesAreToldToBeUnpacked) {
     }
 }
 
+TEST_F(Recognition, ProjectsAreKnownByTheirContent) {
+    const std::string yaml = "imupath: \"imu.txt\"\ngnsspath: \"gnss.txt\"\n";
+    for (const char* name : {"kf-gins.yaml", "kf-gins", "kf-gins.txt"}) expect_kind("kfgins_yaml", name, yaml);
+    expect_kind("kfgins_yaml", "ob_gins", "# comment\nimufile: imu.txt\ngnssfile: gnss.txt\n");
+    expect_kind("dataset_toml", "set", "name = \"drive\"\n\n[imu]\nfile = \"imu.csv\"\n");
+    expect_kind("unknown", "notes.txt", "the imupath and the gnsspath are in the project\n[imu] is not here\n");
+}
+
 TEST_F(Recognition, WhatIsNoLogIsUnknown) {
     const std::vector<std::string> headers = {"time_s,motor_1,motor_2,motor_3,motor_4",
                                               "timestamp,voltage_v,current_a,remaining",
