@@ -86,7 +86,7 @@ const Format csv_format = {
     .title = "Table of text",
     .extensions = ".csv .txt .dat .tsv",
     .holds =
-        "one instrument a file, or an IMU with its fixes, columns by their names (below): EuRoC, VectorNav, ulog2csv and mavlogdump tables among them; commas, semicolons, tabs or "
+        "one instrument a file, or an IMU with its fixes, columns by their names (below): EuRoC, VectorNav, ulog2csv and mavlogdump tables among them; commas, semicolons, tabs, bars or "
         "blanks, decimal commas, a line of units, `.gz`",
     .time = "as its column says: seconds, milli-, micro- or nanoseconds; seconds of the week; UTC",
     .recognise = is_text,
