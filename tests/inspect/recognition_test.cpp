@@ -171,6 +171,149 @@ TEST_F(Recognition, SetpointsAreNeverMeasurements) {
         expect_kind("unknown", "control.csv", std::string(names) + "\n" + rows);
 }
 
+TEST_F(Recognition, SetpointsByTheColumnsOfActuators) {
+    const std::string rows = table("", ",", 0.02, 5.0, 200, {0.1, 0.2, 0.3, 0.4, 0.5, 0.6});
+    for (const char* names : {"timestamp,roll,pitch,yaw,thrust_body[0],thrust_body[1],thrust_body[2]",
+                              "time,roll,pitch,throttle,yaw,aux1,aux2", "time,throttle_pct,roll,pitch,yaw,aux1,aux2"})
+        expect_kind("unknown", "rates.csv", std::string(names) + "\n" + rows);
+    // of a vehicle that logs where it is, the attitude is its own
+    const std::string flown = table("", ",", 0.1, 5.0, 200, {1.0, 2.0, 90.0, 0.5, 48.1, 11.5});
+    expect_kind("reference", "flight.csv", "time_s,roll_deg,pitch_deg,yaw_deg,throttle,lat,lon\n" + flown);
+}
+
+TEST_F(Recognition, PosesOfCamerasAreNoReference) {
+    std::string named, bare, moving, jumping;
+    for (int i = 0; i < 300; ++i) {
+        const double a = i / 300.0, east = 0.2 * i;
+        const std::string pose = fmt::format("{} {:.6f} {:.6f} 0 0 {:.2f} 0 1.5 1", i, std::cos(a), std::sin(a), 0.1 * i);
+        named += pose + fmt::format(" img{}.jpg\n", i);
+        bare += pose + " 7\n";
+        moving += fmt::format("{:.2f} 48.0 {:.10f} 500 0 4 0 0 0 90\n", 100.0 + 0.05 * i, 11.0 + east / 74'600.0);
+        jumping += fmt::format("{:.2f} 48.0 {:.6f} 500 0 4 0 0 0 90\n", 100.0 + 0.05 * i, 11.0 + 0.001 * i);
+    }
+    expect_kind("unknown", "col.txt", named);
+    expect_kind("unknown", "col.txt", bare);
+    // positions and velocities belong together
+    expect_kind("kfgins_reference", "truth.txt", moving);
+    expect_kind("unknown", "truth.txt", jumping);
+}
+
+TEST_F(Recognition, TheGainsOfAControllerAreNoPressure) {
+    std::string pid, tall;
+    for (int i = 0; i < 200; ++i) {
+        pid += fmt::format("{:.2f},0.5,0.4,0.1,{:.4f},0.02,0.001,0,1\n", 10.0 + 0.1 * i, 0.14 + 0.01 * std::sin(0.3 * i));
+        tall += fmt::format("{:.2f},0.5,0.4,0.1,{:.2f},0.02,0.001,0,1\n", 10.0 + 0.1 * i, 980.0 + std::sin(0.3 * i));
+    }
+    for (const std::string& rows : {pid, tall}) expect_kind("unknown", "pid.csv", "timestamp,Tar,Act,Err,P,I,D,FF,Dmod\n" + rows);
+    expect_kind("unknown", "rate.csv", "timestamp,RDes,R,ROut,P,POut,YDes,Y,YOut\n" + pid);
+    expect_kind("unknown", "b.csv", table("time_s,pressure", ",", 0.1, 0.0, 40, {0.14}));
+    expect_kind("unknown", "b.csv", table("time_s,baro_alt", ",", 0.1, 0.0, 40, {3e6}));
+    for (const double air : {1.01325e5, 1013.25, 101.325})
+        expect_kind("baro", "b.csv", table("time_s,pressure", ",", 0.1, 0.0, 40, {air}));
+    expect_kind("baro", "b.csv", table("time_s,T,P", ",", 0.1, 0.0, 40, {20.0, 1013.25}));
+}
+
+TEST_F(Recognition, ForcesAndTorquesAreNoField) {
+    const std::string rows = table("", ",", 0.01, 0.0, 100, {1.0, 2.0, 30.0, 20.0, 5.0, 40.0});
+    for (const char* names : {"time,fx,fy,fz,mx,my,mz", "time,mx,my,mz,fx,fy,fz",
+                              "time,Fx (N),Fy (N),Fz (N),Mx (Nm),My (Nm),Mz (Nm)", "time,force_x,force_y,force_z,mx,my,mz"})
+        expect_kind("unknown", "ft.csv", std::string(names) + "\n" + rows);
+    expect_kind("mag", "m.csv", "time,mx,my,mz,a,b,c\n" + rows);
+}
+
+TEST_F(Recognition, ScatteredPlacesAreNoTrack) {
+    std::string quakes, rest, track;
+    unsigned state = 1;
+    const auto random = [&] { return (state = state * 1664525u + 1013904223u) / 4294967296.0; };
+    for (int i = 0; i < 200; ++i) {
+        const int minute = 3 * i + static_cast<int>(2.0 * random());
+        quakes += fmt::format("2024-05-01T{:02d}:{:02d}:12.125Z,{:.4f},{:.4f},{:.1f},{:.1f},ml\n", minute / 60, minute % 60,
+                              120.0 * random() - 60.0, 340.0 * random() - 170.0, 100.0 * random(), 5.0 * random());
+        rest += fmt::format("{},{:.7f},{:.7f},{:.2f}\n", i, 48.0 + 5e-4 * random(), 11.0 + 5e-4 * random(), 500.0 + random());
+        track += fmt::format("{},{:.7f},{:.7f},7e5\n", 60 * i, 60.0 * std::sin(0.067 * i), 0.1 * i);
+    }
+    expect_kind("unknown", "quakes.csv", "time,latitude,longitude,depth,mag,magType\n" + quakes);
+    expect_kind("gnss", "rest.csv", "time_s,lat,lon,height\n" + rest);
+    expect_kind("gnss", "orbit.csv", "time_s,lat,lon,height\n" + track);
+    expect_kind("unknown", "sp.csv", table("time,lat,lon,yaw", ",", 1.0, 0.0, 40, {48.0, 11.0, 90.0}));
+    expect_kind("gnss", "dual.csv", table("time,lat,lon,yaw,fix_type", ",", 1.0, 0.0, 40, {48.0, 11.0, 90.0, 3.0}));
+}
+
+TEST_F(Recognition, TimesByTheirUsualNames) {
+    for (const char* time : {"DateTime", "datetime", "Date/Time", "Timestamp (UTC)", "timestamp_utc", "datetime_utc", "UTC",
+                             "Date", "time_iso", "ISO time", "local_time", "recorded_at", "created_at"}) {
+        std::string rows = std::string(time) + ",lat,lon,height\n";
+        for (int i = 0; i < 40; ++i)
+            rows += fmt::format("2024-05-01T{:02d}:{:02d}:00.5Z,48.{:05d},11.5,500\n", 10 + i / 60, i % 60, 1000 + i);
+        const FileReport report = of("gps.csv", rows);
+        EXPECT_EQ(report.kind, "gnss") << time;
+        EXPECT_EQ(report.start_s, 1714557600.5) << time;
+        EXPECT_TRUE(std::ranges::none_of(report.problems, [](const Problem& p) {
+            return p.text.find("unit") != std::string::npos;
+        })) << report.problems.front().text;
+        // numbers below such a name have no known origin
+        if (std::string(time) == "Date" || std::string(time) == "UTC")
+            expect_kind("unknown", "gps.csv",
+                        table(std::string(time) + ",lat,lon,height", ",", 1.0, 120000.0, 40, {48.0, 11.0, 500.0}));
+    }
+    const auto apart = of("gps.csv", [] {
+        std::string rows = "date,time,lat,lon,height\n";
+        for (int i = 0; i < 40; ++i)
+            rows += fmt::format("2024-05-0{},{:02d}:59:{:02d}.5,48.{:05d},11.5,500\n", i < 20 ? 1 : 2, i < 20 ? 23 : 0,
+                                40 + i % 20, 1000 + i);
+        return rows;
+    }());
+    EXPECT_EQ(apart.kind, "gnss");
+    EXPECT_EQ(apart.start_s, 1714607980.5);
+}
+
+TEST_F(Recognition, WhatIsNoNumberIsShown) {
+    std::string rows = "time_s,lat,lon,alt\n";
+    for (int i = 0; i < 300; ++i) rows += fmt::format("{},48.{:05d},11.5,\"1,521.{:02d}\"\n", i, 1000 + i, i % 100);
+    const FileReport report = of("gps.csv", rows);
+    const auto shown = std::ranges::find_if(report.problems, [](const Problem& p) {
+        return p.text.find("300 of 300 rows have no number in alt, the first '1,521.00'") != std::string::npos;
+    });
+    ASSERT_NE(shown, report.problems.end());
+    EXPECT_EQ(shown->hint.find("nothing to do"), std::string::npos);
+    EXPECT_NE(shown->hint.find("1521.17"), std::string::npos) << shown->hint;
+}
+
+TEST_F(Recognition, ArchivesAreToldToBeUnpacked) {
+    std::string tar(512, '\0');
+    tar.replace(0, 7, "imu.csv");
+    tar.replace(257, 5, "ustar");
+    for (const auto& [name, bytes, what] : {std::tuple("log.zip", std::string("PK\3\4", 4) + std::string(300, '\1'), "zip"),
+                                            std::tuple("log.tar", tar + std::string(512, 'x'), "tar"),
+                                            std::tuple("log.7z", "7z\xbc\xaf\x27\x1c" + std::string(300, '\1'), "7z"),
+                                            std::tuple("log.csv.xz",
+                                                       std::string("\xfd"
+                                                                   "7zXZ\0",
+                                                                   6) +
+                                                           std::string(300, '\1'),
+                                                       "xz"),
+                                            std::tuple("log.csv.zst", "\x28\xb5\x2f\xfd" + std::string(300, '\1'), "zstd")}) {
+        const InspectReport report = inspect(write(name, bytes));
+        ASSERT_EQ(report.files.size(), 1U);
+        EXPECT_EQ(report.files.front().kind, "unknown");
+        ASSERT_FALSE(report.files.front().problems.empty()) << name;
+        EXPECT_NE(report.files.front().problems.front().text.find(std::string("packed with ") + what), std::string::npos)
+            << report.files.front().problems.front().text;
+        EXPECT_NE(report.files.front().problems.front().hint.find("unpack"), std::string::npos);
+        EXPECT_TRUE(std::ranges::any_of(report.problems, [](const Problem& p) {
+            return p.level == Level::Error && p.hint.find("unpack") != std::string::npos;
+        })) << name;
+    }
+}
+
+TEST_F(Recognition, ProjectsAreKnownByTheirContent) {
+    const std::string yaml = "imupath: \"imu.txt\"\ngnsspath: \"gnss.txt\"\n";
+    for (const char* name : {"kf-gins.yaml", "kf-gins", "kf-gins.txt"}) expect_kind("kfgins_yaml", name, yaml);
+    expect_kind("kfgins_yaml", "ob_gins", "# comment\nimufile: imu.txt\ngnssfile: gnss.txt\n");
+    expect_kind("dataset_toml", "set", "name = \"drive\"\n\n[imu]\nfile = \"imu.csv\"\n");
+    expect_kind("unknown", "notes.txt", "the imupath and the gnsspath are in the project\n[imu] is not here\n");
+}
+
 TEST_F(Recognition, WhatIsNoLogIsUnknown) {
     const std::vector<std::string> headers = {"time_s,motor_1,motor_2,motor_3,motor_4",
                                               "timestamp,voltage_v,current_a,remaining",
@@ -221,8 +364,10 @@ TEST_F(Recognition, TablesOfKfGinsByTheirValues) {
         expect_kind("kfgins_imu", "imu.txt", out);
     }
     expect_kind("kfgins_gnss", "gnss.txt", table("", " ", 1.0, 1000.0, 40, {30.0, 114.0, 20.0, 0.01, 0.01, 0.03}));
-    expect_kind("kfgins_reference", "truth.nav",
-                table("", " ", 0.005, 1000.0, 40, {30.0, 114.0, 20.0, 1.0, 2.0, 0.0, 0.5, 0.6, 90.0}));
+    std::string truth;
+    for (int i = 0; i < 40; ++i)
+        truth += fmt::format("{:.3f} 30.0 {:.10f} 20.0 0.0 2.0 0.0 0.5 0.6 90.0\n", 1000.0 + 0.005 * i, 114.0 + 1.0372e-7 * i);
+    expect_kind("kfgins_reference", "truth.nav", truth);
     expect_kind("imu", "rates.txt", table("", " ", 0.01, 0.0, 60, {0.01, -0.02, 0.03, 0.1, 0.2, -9.8}));
 }
 

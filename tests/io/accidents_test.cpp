@@ -1,6 +1,7 @@
 // Single rows that cannot be: they cost themselves, counted and told, and nothing else.
 #include "io/io_fixture.h"
 
+#include "schuler/io/formats.h"
 #include "schuler/io/text/csv/csv_recording.h"
 #include "schuler/io/text/fix_codes.h"
 #include "schuler/io/text/repair_times.h"
@@ -194,6 +195,50 @@ TEST_F(Accidents, CodesThatNobodyKnowsAreAskedFor) {
         said.fix_codes = {{code, "autonomous"}};
         EXPECT_EQ(gnss(fixes(column, some({{code, 50}})), said).fixes.size(), 50u);
     }
+}
+
+TEST_F(Accidents, AHeightThatIsNoNumberIsNamed) {
+    std::string text = "time_s,lat,lon,alt\n";
+    for (int i = 0; i < 300; ++i) text += fmt::format("{},48.{:05d},11.5,1'521.{:02d}\n", i, 1000 + i, i % 100);
+    test::expect_parts(test::message_of([&] { (void)gnss(text); }),
+                       {"gnss.csv:2", "column 4", "alt", "'1'521.00' is not a number"});
+    std::string some = "time_s,lat,lon,alt\n";
+    for (int i = 0; i < 300; ++i)
+        some +=
+            i % 2 == 0 ? fmt::format("{},48.{:05d},11.5,521\n", i, 1000 + i) : fmt::format("{},48.{:05d},11.5,\n", i, 1000 + i);
+    test::expect_parts(test::message_of([&] { (void)gnss(some); }), {"gnss.csv:3", "column 4", "(150 of 300 rows"});
+}
+
+TEST_F(Accidents, ACutOrDamagedMatFileIsTold) {
+    std::vector<SolutionRow> rows(200);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        rows[i].time = Time::from_seconds(static_cast<double>(i));
+        rows[i].position = {0.84, 0.2, 500.0};
+        rows[i].v_eb_n = {1.0, 2.0, 3.0};
+        rows[i].rpy = {0.01, 0.02, 0.03 * static_cast<double>(i % 100)};
+        rows[i].std_position = rows[i].std_velocity = rows[i].std_rpy = Eigen::Vector3d(0.1, 0.2, 0.3);
+    }
+    format_named("mat")->write(folder() / "whole.mat", rows, "");
+    const std::string bytes = content_of(folder() / "whole.mat");
+    const auto read = [&](const std::string& damaged) {
+        log = WarningLog{};
+        return format_named("mat")->read(TextInput(write("damaged.mat", damaged)), log).streams.front();
+    };
+    EXPECT_EQ(read(bytes).columns.size(), 18u);
+    EXPECT_TRUE(log.empty());
+    // one variable of 200 numbers has 1600 bytes, a header of 48 to 64, and the file 128
+    for (const std::string& damaged :
+         {bytes.substr(0, bytes.size() / 2), bytes.substr(0, bytes.size() - 1), std::string(bytes).erase(bytes.size() / 2, 777),
+          std::string(bytes).erase(bytes.size() / 2, 1600)}) {
+        const Stream s = read(damaged);
+        EXPECT_LT(s.columns.size(), 18u);
+        EXPECT_EQ(s.rows(), 200u);
+        ASSERT_NE(s.find("vel_n_m_s"), nullptr);
+        EXPECT_EQ(s.find("vel_n_m_s")->values, std::vector<double>(200, 1.0));
+        ASSERT_EQ(log.summary().size(), 1u);
+        test::expect_parts(log.summary().front(), {"damaged.mat", "byte", "copy"});
+    }
+    test::expect_parts(test::message_of([&] { (void)read(bytes.substr(0, 600)); }), {"damaged.mat", "cut"});
 }
 
 }  // namespace

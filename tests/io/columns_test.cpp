@@ -88,6 +88,21 @@ TEST(Columns, TimesAndTheirUnits) {
     EXPECT_EQ(match_columns(layout_of({"device_time_ms"}), K).find("time_s"), nullptr);
 }
 
+TEST(Columns, OfAVelocityAreNoPosition) {
+    const ColumnPlan plan = match_columns(layout_of({"time_s", "lat", "lon", "vel_n_std", "vel_e_std", "vel_std_d"}), G);
+    EXPECT_EQ(plan.find("std_n_m"), nullptr);
+    EXPECT_EQ(plan.find("std_e_m"), nullptr);
+    EXPECT_EQ(plan.find("std_d_m"), nullptr);
+    EXPECT_EQ(plan.find("std_vn_m_s")->column, 3);
+    EXPECT_EQ(plan.find("std_ve_m_s")->column, 4);
+    EXPECT_EQ(plan.find("std_vd_m_s")->column, 5);
+    EXPECT_TRUE(plan.unused.empty());
+    const ColumnPlan local = match_columns(layout_of({"time_s", "velocity_x", "velocity_y", "vel_ecef_x"}), R);
+    EXPECT_EQ(local.find("local_x_m"), nullptr);
+    EXPECT_EQ(local.find("ecef_x_m"), nullptr);
+    EXPECT_EQ(match_columns(layout_of({"pos_n_std", "position_std_e"}), G).matches.size(), 2U);
+}
+
 TEST(Columns, TheSurestNameWins) {
     const ColumnPlan plan = match_columns(layout_of({"height_msl_m", "alt", "height_m"}), G);
     EXPECT_EQ(plan.find("height_m")->column, 2);

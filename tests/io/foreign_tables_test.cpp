@@ -40,6 +40,18 @@ TEST_F(ForeignTables, LinesAboveTheHeaderAreSetAside) {
 }
 
 /// A header that has more or fewer names than the rows have fields is the header all the same.
+TEST_F(ForeignTables, BarsBetweenColumns) {
+    const TableLayout layout =
+        inspect_table(TextInput::memory("time_s|lat|lon|height\n1.0|48.1|11.5|500\n2.0|48.1|11.5|501\n", "b.txt"));
+    EXPECT_EQ(layout.delimiter, '|');
+    EXPECT_EQ(layout.names, (std::vector<std::string>{"time_s", "lat", "lon", "height"}));
+    WarningLog log;
+    const GnssTable table =
+        read_gnss_csv(TextInput::memory("time_s|lat|lon|height\n1.0|48.1|11.5|500\n2.0 | 48.1 |11.5|501\n", "b.txt"), {}, log);
+    ASSERT_EQ(table.fixes.size(), 2u);
+    EXPECT_EQ(table.fixes[1].position.h, 501.0);
+}
+
 TEST_F(ForeignTables, AHeaderOfAnotherWidthStays) {
     const auto path = write("imu.csv", "time_s,gx,gy,gz,ax,ay,az,note\n" + rows(20));
     EXPECT_EQ(inspect_table(TextInput(path)).header_line, 1);

@@ -216,6 +216,13 @@ void report_lacking(Study& study) {
     }
     if (study.imu_file == nullptr && study.gnss_file == nullptr && raw) return;
     if (study.imu_file == nullptr && study.gnss_file == nullptr) {
+        const auto packed = std::ranges::find_if(study.files, [](const LoadedFile& f) {
+            return std::ranges::any_of(f.report.problems, [](const Problem& p) { return p.text.starts_with("is packed with"); });
+        });
+        if (packed != study.files.end()) {
+            study.problem(Level::Error, "no IMU and no GNSS data were recognised", fmt::format("unpack {}", packed->report.path));
+            return;
+        }
         study.problem(Level::Error, "no IMU and no GNSS data were recognised",
                       "name the columns time_s, gyro_x_rad_s, ..., accel_x_m_s2, ... and time_s, lat_deg, lon_deg, height_m, or "
                       "map them with columns = { ... } in dataset.toml");

@@ -2,9 +2,11 @@
 
 #include "schuler/core/error.h"
 #include "schuler/inspect/detail/recognise.h"
+#include "schuler/io/streams.h"
 #include "schuler/io/text/fix_codes.h"
 #include "schuler/io/text/held_rows.h"
 #include "schuler/io/text/lonely_samples.h"
+#include "schuler/io/text/number.h"
 #include "schuler/io/text/open_dates.h"
 #include "schuler/io/text/repair_times.h"
 #include "schuler/io/text/table.h"
@@ -201,16 +203,38 @@ void report_cadence(LoadedFile& file) {
                      "check that the log was copied completely");
 }
 
+/// The first of the sample rows' cells in this column that is text and no number; empty for a stream, or if there is none.
+std::string first_text(const LoadedFile& file, const io::ColumnMatch& match) {
+    if (file.computed || !io::stream_path(file.path).stream.empty()) return {};
+    try {
+        const io::TableLayout layout = io::inspect_table(io::TextInput(file.path));
+        for (const std::vector<std::string>& row : layout.sample) {
+            const auto column = static_cast<std::size_t>(match.column);
+            if (column < row.size() && !io::is_missing_value(row[column]) && std::isnan(io::number_from(row[column])))
+                return row[column].substr(0, 40);
+        }
+    } catch (const Error&) {
+        // no table of text
+    }
+    return {};
+}
+
 void report_missing_values(LoadedFile& file) {
     for (const auto& [name, values] : file.columns) {
         const auto n =
             static_cast<std::size_t>(std::count_if(values.begin(), values.end(), [](double v) { return !std::isfinite(v); }));
         if (n == 0 || values.empty() || file.table == io::TableKind::Reference) continue;
         const double share = static_cast<double>(n) / static_cast<double>(values.size());
-        file.problem(share > 0.05 ? Level::Warning : Level::Info,
-                     fmt::format("{} of {} rows have no number in {}", n, values.size(),
-                                 file.plan.find(name) != nullptr ? file.plan.find(name)->file_name : name),
-                     "nothing to do where they are few: such rows are left out");
+        constexpr double many = 0.05, most = 0.5;
+        const io::ColumnMatch* match = file.plan.find(name);
+        const std::string text = share > many && match != nullptr ? first_text(file, *match) : std::string();
+        file.problem(
+            share > many ? Level::Warning : Level::Info,
+            fmt::format("{} of {} rows have no number in {}{}", n, values.size(), match != nullptr ? match->file_name : name,
+                        text.empty() ? "" : fmt::format(", the first '{}'", text)),
+            !text.empty()  ? "write plain numbers with a decimal point and without marks of thousands (1521.17, 1.5e-3)"
+            : share > most ? "if another column has it, name that one: columns = { ... }"
+                           : "nothing to do where they are few: such rows are left out");
     }
 }
 

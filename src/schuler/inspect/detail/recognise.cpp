@@ -2,6 +2,8 @@
 
 #include "schuler/core/error.h"
 #include "schuler/core/fact.h"
+#include "schuler/inspect/detail/bare_table.h"
+#include "schuler/inspect/detail/plausible.h"
 #include "schuler/inspect/detail/robust.h"
 #include "schuler/io/regular_file.h"
 #include "schuler/io/streams.h"
@@ -11,150 +13,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 namespace schuler::inspect::detail {
 namespace {
-
-// Numbers of the sample rows of a table without header, column by column.
-std::vector<std::vector<double>> sample_columns(const io::TableLayout& layout) {
-    std::vector<std::vector<double>> columns(static_cast<std::size_t>(std::max(0, layout.columns)));
-    for (const std::vector<std::string>& row : layout.sample) {
-        for (std::size_t i = 0; i < columns.size(); ++i)
-            columns[i].push_back(i < row.size() ? io::number_from(row[i]) : std::nan(""));
-    }
-    return columns;
-}
-
-double largest(const std::vector<double>& values) {
-    double m = 0.0;
-    for (const double v : values) m = std::max(m, std::isfinite(v) ? std::abs(v) : 1e300);
-    return m;
-}
-
-bool ascending(const std::vector<double>& values) {
-    for (std::size_t i = 1; i < values.size(); ++i) {
-        if (!(values[i] > values[i - 1])) return false;
-    }
-    return values.size() >= 2;
-}
-
-// True if these columns are latitude, longitude (deg) and height of a position on the Earth.
-bool is_place(const std::vector<std::vector<double>>& c, std::size_t at) {
-    const double lat = median(c[at]), lon = median(c[at + 1]), h = median(c[at + 2]);
-    const bool steady =
-        quantile(c[at], 1.0) - quantile(c[at], 0.0) < 0.5 && quantile(c[at + 1], 1.0) - quantile(c[at + 1], 0.0) < 0.5;
-    return steady && std::abs(lat) > 0.5 && std::abs(lat) <= 90.0 && std::abs(lon) <= 360.0 && h > -1000.0 && h < 60000.0;
-}
-
-// Four adjacent columns are a unit quaternion: an attitude, whatever else the numbers could be.
-bool has_rotation(const std::vector<std::vector<double>>& c) {
-    for (std::size_t first = 1; first + 4 <= c.size(); ++first) {
-        bool unit = true;
-        for (std::size_t i = 0; unit && i < c[0].size(); ++i)
-            unit = std::abs(std::hypot(std::hypot(c[first][i], c[first + 1][i]), std::hypot(c[first + 2][i], c[first + 3][i])) -
-                            1.0) < 1e-3;
-        if (unit) return true;
-    }
-    return false;
-}
-
-// True for rates of a portable instrument: neither positions nor growing angles.
-bool could_be_rates(const std::vector<std::vector<double>>& c, double step, bool increments) {
-    constexpr double fastest = 35.0;  // rad/s, 2000 deg/s
-    constexpr double as_degrees = 57.3;
-    for (std::size_t k = 1; k <= 3; ++k)
-        if (std::abs(median(c[k])) > fastest * (increments ? step : as_degrees)) return false;
-    return true;
-}
-
-/// Share of the columns from `first` on that scatter from row to row as sensors do. Positions, velocities and angles of a trajectory change
-/// steadily: within a window their successive differences are small against their deviations from the mean (von Neumann's ratio).
-bool scatters(const std::vector<std::vector<double>>& c, std::size_t first) {
-    constexpr std::size_t window = 10;
-    constexpr double steady = 0.15;  // 1 for white noise, 0.06 for a straight line
-    std::size_t noisy = 0, varying = 0;
-    for (std::size_t k = first; k < first + 6; ++k) {
-        double differences = 0.0, deviations = 0.0;
-        for (std::size_t i = 0; i + window <= c[k].size(); i += window) {
-            double mean = 0.0;
-            for (std::size_t j = i; j < i + window; ++j) mean += c[k][j] / static_cast<double>(window);
-            for (std::size_t j = i; j < i + window; ++j) {
-                deviations += std::pow(c[k][j] - mean, 2);
-                if (j > i) differences += std::pow(c[k][j] - c[k][j - 1], 2);
-            }
-        }
-        if (!(deviations > 0.0)) continue;
-        ++varying;
-        noisy += differences > 2.0 * steady * deviations ? 1 : 0;
-    }
-    return 2 * noisy >= varying && noisy > 0;
-}
-
-void name_columns(LoadedFile& file, std::initializer_list<const char*> names) {
-    int column = 0;
-    for (const char* name : names) {
-        io::ColumnMatch match;
-        match.canonical = name;
-        match.file_name = fmt::format("#{}", column + 1);
-        match.column = column++;
-        match.unit_stated = true;  // checked by value if relevant
-        file.plan.matches.push_back(match);
-        file.column_map[name] = match.file_name;
-    }
-}
-
-// Tables of numbers without a header line: the formats of the KF-GINS program and similar ones, by value.
-bool recognise_without_header(LoadedFile& file, const io::TableLayout& layout) {
-    const std::vector<std::vector<double>> c = sample_columns(layout);
-    if (c.size() < 7 || !ascending(c[0])) return false;
-    const bool week_first = c.size() >= 8 && largest(c[0]) < 5000.0 && std::floor(c[0][0]) == c[0][0];
-    if (!week_first && (c.size() == 7 || c.size() == 13) && is_place(c, 1)) {
-        file.report.kind = "kfgins_gnss";
-        file.table = io::TableKind::Gnss;
-        file.plan.kind = io::TableKind::Gnss;
-        if (c.size() == 7) name_columns(file, {"time_s", "lat_deg", "lon_deg", "height_m", "std_n_m", "std_e_m", "std_d_m"});
-        else {
-            name_columns(file, {"time_s", "lat_deg", "lon_deg", "height_m", "std_n_m", "std_e_m", "std_d_m", "vel_n_m_s",
-                                "vel_e_m_s", "vel_d_m_s", "std_vn_m_s", "std_ve_m_s", "std_vd_m_s"});
-        }
-        return true;
-    }
-    if (c.size() == 10 && is_place(c, 1)) {
-        file.report.kind = "kfgins_reference";
-        file.table = io::TableKind::Reference;
-        file.plan.kind = io::TableKind::Reference;
-        name_columns(file, {"time_s", "lat_deg", "lon_deg", "height_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "roll_deg",
-                            "pitch_deg", "heading_deg"});
-        return true;
-    }
-    if (c.size() >= 7 && c.size() <= 9 && !has_rotation(c)) {
-        std::vector<double> steps, norms;
-        for (std::size_t i = 0; i < c[0].size(); ++i) {
-            if (i > 0) steps.push_back(c[0][i] - c[0][i - 1]);
-            norms.push_back(std::hypot(c[4][i], c[5][i], c[6][i]));
-        }
-        const double norm = median(norms), step = median(steps);
-        const bool increments = std::abs(norm / step / 9.8 - 1.0) < 0.3 && std::abs(norm / 9.8 - 1.0) > 0.5;
-        if (!increments && std::abs(norm / 9.8 - 1.0) > 0.3) return false;
-        if (!could_be_rates(c, step, increments) || quantile(norms, 0.9) > 4.0 * norm) return false;
-        if (!increments && !scatters(c, 1)) return false;  // a trajectory at the height of gravity
-        file.report.kind = increments ? "kfgins_imu" : "imu";
-        file.table = io::TableKind::Imu;
-        file.plan.kind = io::TableKind::Imu;
-        if (increments)
-            name_columns(file, {"time_s", "dtheta_x_rad", "dtheta_y_rad", "dtheta_z_rad", "dv_x_m_s", "dv_y_m_s", "dv_z_m_s"});
-        else
-            name_columns(
-                file, {"time_s", "gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s", "accel_x_m_s2", "accel_y_m_s2", "accel_z_m_s2"});
-        if (!increments)
-            file.problem(Level::Warning, "no header line: the columns were taken for time, gyro x y z, accel x y z",
-                         "put a header line first");
-        return true;
-    }
-    return false;
-}
 
 /// Columns missing from a kind of table, for files that nearly match one: that kind, and its description.
 std::pair<std::string, std::string> nearly(const io::TableLayout& layout) {
@@ -219,6 +84,24 @@ bool recognise_plain_aid(LoadedFile& file, const io::TableLayout& layout) {
     }
     read_table(file, layout);
     return true;
+}
+
+/// The archiver or compression of a file by its signature; empty for any other file.
+std::string_view packed_with(std::string_view bytes) {
+    using namespace std::string_view_literals;
+    static constexpr std::array signatures = {std::pair("PK\3\4"sv, "zip"sv),
+                                              std::pair("7z\xbc\xaf\x27\x1c"sv, "7z"sv),
+                                              std::pair("\xfd"
+                                                        "7zXZ\0"sv,
+                                                        "xz"sv),
+                                              std::pair("\x28\xb5\x2f\xfd"sv, "zstd"sv),
+                                              std::pair("Rar!\x1a\x07"sv, "rar"sv),
+                                              std::pair("\x04\x22\x4d\x18"sv, "lz4"sv)};
+    for (const auto& [signature, name] : signatures)
+        if (bytes.starts_with(signature)) return name;
+    if (bytes.starts_with("BZh") && bytes.size() > 4 && bytes.substr(4).starts_with("1AY&SY")) return "bzip2";
+    constexpr std::size_t place_of_tar = 257;
+    return bytes.size() > place_of_tar && bytes.substr(place_of_tar).starts_with("ustar") ? "tar" : "";
 }
 
 /// The format of several instruments usual for files of this extension.
@@ -315,6 +198,12 @@ void recognise_table(LoadedFile& file) {
     }
     read_table(file, layout);
     judge_time_unit(file, layout);
+    if (const auto [reason, hint] = implausible(file); !reason.empty()) {
+        file.report.kind = "unknown";
+        file.table.reset();
+        file.problem(Level::Warning, reason, hint);
+        return;
+    }
     tell_other_instruments(file, layout);
     if (file.report.kind == "trajectory") file.table.reset();
 }
@@ -325,6 +214,11 @@ void judge_time_unit(LoadedFile& file, const io::TableLayout& layout) {
     const auto match =
         std::find_if(file.plan.matches.begin(), file.plan.matches.end(), [](const auto& m) { return m.canonical == "time_s"; });
     if (match->unit_stated || file.time_ns.size() < 3 || match->time_unit != io::TimeUnit::Seconds) return;
+    const auto column = static_cast<std::size_t>(match->column);
+    const auto is_text = [&](const std::vector<std::string>& row) {  // a date or a time of day needs no unit
+        return column < row.size() && std::isnan(io::number_from(row[column])) && !io::is_missing_value(row[column]);
+    };
+    if (std::ranges::any_of(layout.sample, is_text)) return;
     std::vector<double> steps;
     for (std::size_t i = 1; i < std::min<std::size_t>(file.time_ns.size(), 2000); ++i) {
         const double step = static_cast<double>(file.time_ns[i] - file.time_ns[i - 1]) * 1e-9;
@@ -400,6 +294,13 @@ void recognise_and_read(LoadedFile& file) {
     const io::FileHead head(file.path);
     if (head.bytes.empty()) {
         file.problem(Level::Error, "the file is empty", "check that the log was written and copied completely");
+        return;
+    }
+    if (const std::string_view method = packed_with(head.bytes); !method.empty()) {
+        file.problem(Level::Warning, fmt::format("is packed with {}, and not read", method),
+                     head.extension == ".xlsx" || head.extension == ".ods"
+                         ? "save the sheet as CSV"
+                         : "unpack it beside the other logs (of compressed files only .gz is read)");
         return;
     }
     const io::RawFormat raw = io::raw_format(file.path);

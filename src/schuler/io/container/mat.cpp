@@ -13,6 +13,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
 #include <memory>
 #include <optional>
 
@@ -200,19 +203,73 @@ bool add_named(const Group& g, StreamLog& log) {
     return true;
 }
 
-StreamLog read_mat(const TextInput& input, WarningLog&) {
+/// Where the variables of a file begin (bytes), as far as each ends where the next one begins; and where that is no longer so.
+struct VariablePlaces {
+    std::vector<std::size_t> starts;
+    std::optional<std::size_t> damaged;
+};
+
+/// The library does not tell a cut or shifted variable from the end of the file, and returns its memory as values. The lengths of the
+/// variables tell: behind each must follow another one, or nothing. Of version 7.3 HDF5 tells by itself.
+std::optional<VariablePlaces> variable_places(const std::string& file) {
+    constexpr std::size_t header = 128, tag = 8;
+    constexpr std::uint32_t matrix = 14, compressed = 15;
+    std::ifstream in(file, std::ios::binary);
+    std::array<char, header> head{};
+    if (!in.read(head.data(), header)) return std::nullopt;
+    const bool big_endian = head[header - 2] == 'M' && head[header - 1] == 'I';
+    if (!big_endian && !(head[header - 2] == 'I' && head[header - 1] == 'M')) return std::nullopt;
+    if (head[big_endian ? header - 4 : header - 3] != 1) return std::nullopt;  // 7.3
+    const auto number = [&](const char* bytes) {
+        std::uint32_t x = 0;
+        for (std::size_t i = 0; i < 4; ++i) x = x << 8U | static_cast<unsigned char>(bytes[big_endian ? i : 3 - i]);
+        return x;
+    };
+    std::error_code ec;
+    const std::size_t size = std::filesystem::file_size(file, ec);
+    VariablePlaces places;
+    for (std::size_t at = header; at < size;) {
+        std::array<char, tag> bytes{};
+        in.seekg(static_cast<std::streamoff>(at));
+        const bool whole = static_cast<bool>(in.read(bytes.data(), tag));
+        const std::uint32_t type = number(bytes.data()), length = number(bytes.data() + 4);
+        if (whole && type != matrix && type != compressed) {  // the one before is too long or too short
+            places.damaged = places.starts.empty() ? header : places.starts.back();
+            if (!places.starts.empty()) places.starts.pop_back();
+            break;
+        }
+        if (!whole || length > size - at - tag) {
+            places.damaged = at;
+            break;
+        }
+        places.starts.push_back(at);
+        at += tag + length;
+    }
+    return places;
+}
+
+StreamLog read_mat(const TextInput& input, WarningLog& warnings) {
     if (input.in_memory()) throw input_error("a MAT-file cannot be read from memory", place_in(input.name()), "give the file");
     const File file(Mat_Open(input.name().c_str(), MAT_ACC_RDONLY), Mat_Close);
     if (!file)
         throw input_error("is not a MAT-file, or damaged", place_in(input.name()), "save it with -v7 and copy it completely");
     std::vector<Group> groups(1);
     std::string names;
-    while (true) {
+    const std::optional<VariablePlaces> places = variable_places(input.name());
+    std::optional<std::size_t> damaged = places ? places->damaged : std::nullopt;
+    for (std::size_t n = 0; !places || n < places->starts.size(); ++n) {
         const MatVariable v(Mat_VarReadNext(file.get()), Mat_VarFree);
-        if (!v) break;
+        if (!v) {
+            if (places) damaged = places->starts[n];
+            break;
+        }
         names += (names.empty() ? "" : ", ") + std::string(v->name != nullptr ? v->name : "");
         collect(*v, groups, 0, 0);
     }
+    if (damaged)
+        warnings.add(input.name() + " mat.damaged",
+                     fmt::format("{}: is cut or damaged at byte {}: the variables from there on are left out; copy it completely",
+                                 input.name(), *damaged));
     StreamLog log;
     for (const Group& g : groups) {
         if (add_navego(g, log)) continue;
@@ -225,7 +282,7 @@ StreamLog read_mat(const TextInput& input, WarningLog&) {
             fmt::format(
                 "structures of NaveGo (t, wb, fb; t, lat, lon, h, vel), matrices of PSINS (imu, gps, avp) and columns with the names of docs/files.md are; it "
                 "has {}",
-                names.empty() ? "none, or is cut" : names));
+                names.empty() ? "none, or is cut" : names + (damaged ? ", and is cut or damaged behind them" : "")));
     return log;
 }
 

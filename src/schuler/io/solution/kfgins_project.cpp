@@ -285,7 +285,10 @@ const Format kfgins_yaml_format = {
         "odometer and outages is left",
     .time = "seconds of the GPS week",
     .recognise = [](const FileHead& head) {
-        return (head.extension == ".yaml" || head.extension == ".yml") && is_kfgins_project(TextInput(head.path));
+        // The paths are sought first: to parse every file as YAML would take long.
+        const bool paths =
+            (head.contains("imupath") && head.contains("gnsspath")) || (head.contains("imufile") && head.contains("gnssfile"));
+        return paths && !head.contains(std::string_view("\0", 1)) && is_kfgins_project(TextInput(head.path));
     }};
 
 }  // namespace schuler::io

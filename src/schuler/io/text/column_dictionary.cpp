@@ -117,11 +117,14 @@ constexpr std::array named_units = {
     NamedUnit{Dimension::Temperature, "degf", {5.0 / 9.0, -160.0 / 9.0}},
 };
 
+/// Of dates with the time of day.
+constexpr const char* calendar_stems = "datetime date_time datetime_utc date_time_utc iso_time time_iso iso_timestamp utc date";
+
 constexpr const char* time_stems =
     "time t timestamp time_stamp stamp gps_time gpstime gpst tow gps_tow gpstow time_of_week sow gps_sow gps_seconds gps_sec "
     "sec_of_week i_tow "
     "seconds_of_week time_gps time_startup time_boot time_since_start time_imu header_stamp seconds_elapsed elapsed_seconds itow utc_time time_utc epoch elapsed "
-    "elapsed_time ts unix_time time_unix unix_timestamp timestamp_unix epoch_time gps_time_of_week sample_time time_sample "
+    "elapsed_time recorded_at created_at local_time timestamp_utc ts unix_time time_unix unix_timestamp timestamp_unix epoch_time gps_time_of_week sample_time time_sample "
     "| sec secs second seconds s ms us ns timer millis micros";
 
 using D = Dimension;
@@ -162,7 +165,7 @@ std::vector<Quantity> with(std::vector<Quantity> a, const std::vector<Quantity>&
     return a;
 }
 
-const std::vector<Quantity> time_only = {{"time_s", D::Time, time_stems}};
+const std::vector<Quantity> time_only = {{"time_s", D::Time, time_stems}, {"time_s", D::Calendar, calendar_stems}};
 
 std::string with_axis(std::string pattern, char axis) {
     std::replace(pattern.begin(), pattern.end(), '@', axis);
@@ -199,34 +202,34 @@ std::vector<Quantity> imu_quantities() {
 
 const std::vector<Quantity> imu = imu_quantities();
 
-const std::vector<Quantity> gnss =
-    with(with(with(time_only, {{"time_valid_s", D::Time, "time_valid valid_time time_of_validity"},
-                               {"vel_time_valid_s", D::Time, "vel_time_valid velocity_time_valid vel_valid_time"}}),
-              position_and_velocity()),
-         {
-             {"std_n_m", D::Length,
-              "std_n sdn sd_n sigma_n n_std std_north north_std sigma_north std_lat lat_std sigma_lat lat_sigma sdlat"},
-             {"std_e_m", D::Length,
-              "std_e sde sd_e sigma_e e_std std_east east_std sigma_east std_lon lon_std sigma_lon lon_sigma sdlon"},
-             {"std_d_m", D::Length,
-              "std_d sdd sd_d sigma_d d_std std_down down_std std_u sdu sd_u sigma_u u_std std_up std_h std_height std_alt "
-              "height_std alt_std sigma_h sigma_height sdh v_acc vacc vertical_accuracy std_vertical std_ver epv"},
-             {"std_h_m", D::Length, "std_h std_horizontal std_hor h_acc hacc horizontal_accuracy eph"},
-             {"std_vn_m_s", D::Velocity, "std_vn sdvn std_vel_n sd_vn sigma_vn vel_n_std vn_std std_vnorth std_vel_north"},
-             {"std_ve_m_s", D::Velocity, "std_ve sdve std_vel_e sd_ve sigma_ve vel_e_std ve_std std_veast std_vel_east"},
-             {"std_vd_m_s", D::Velocity,
-              "std_vd sdvd std_vel_d sd_vd sigma_vd vel_d_std vd_std std_vdown std_vel_down std_vu sdvu std_vel_u sd_vu "
-              "sigma_vu std_vel_up"},
-             {"std_vel_m_s", D::Velocity,
-              "std_vel std_velocity std_v vel_std velocity_std s_acc sacc speed_acc speed_accuracy std_speed"},
-             {"fix", D::Count,
-              "fix fix_type gps_fix gps_fix_type fix_quality gps_quality gps_qual gnss_fix pos_type solution_type q quality "
-              "fixtype gnss_fix_type gps_status gnss_status fix_status | mode status"},
-             {"carrier_solution", D::Count, "carrier_solution carr_soln carrsoln carrier_soln"},
-             {"satellites", D::Count,
-              "satellites num_sats numsats num_sat num_satellites num_sv numsv nsat nsats n_sat n_sats ns nsv n_sv sats "
-              "satellites_used satellites_visible sat_count numsatellites"},
-         });
+const std::vector<Quantity> gnss = with(
+    with(with(time_only, {{"time_valid_s", D::Time, "time_valid valid_time time_of_validity"},
+                          {"vel_time_valid_s", D::Time, "vel_time_valid velocity_time_valid vel_valid_time"}}),
+         position_and_velocity()),
+    {
+        {"std_n_m", D::Length,
+         "std_n sdn sd_n sigma_n n_std std_north north_std sigma_north std_lat lat_std sigma_lat lat_sigma sdlat"},
+        {"std_e_m", D::Length,
+         "std_e sde sd_e sigma_e e_std std_east east_std sigma_east std_lon lon_std sigma_lon lon_sigma sdlon"},
+        {"std_d_m", D::Length,
+         "std_d sdd sd_d sigma_d d_std std_down down_std std_u sdu sd_u sigma_u u_std std_up std_h std_height std_alt "
+         "height_std alt_std sigma_h sigma_height sdh v_acc vacc vertical_accuracy std_vertical std_ver epv"},
+        {"std_h_m", D::Length, "std_h std_horizontal std_hor h_acc hacc horizontal_accuracy eph"},
+        {"std_vn_m_s", D::Velocity, "std_vn sdvn std_vel_n vel_std_n sd_vn sigma_vn vel_n_std vn_std std_vnorth std_vel_north"},
+        {"std_ve_m_s", D::Velocity, "std_ve sdve std_vel_e vel_std_e sd_ve sigma_ve vel_e_std ve_std std_veast std_vel_east"},
+        {"std_vd_m_s", D::Velocity,
+         "std_vd sdvd std_vel_d vel_std_d sd_vd sigma_vd vel_d_std vd_std std_vdown std_vel_down std_vu sdvu std_vel_u sd_vu "
+         "sigma_vu std_vel_up vel_std_u vel_u_std"},
+        {"std_vel_m_s", D::Velocity,
+         "std_vel std_velocity std_v vel_std velocity_std s_acc sacc speed_acc speed_accuracy std_speed"},
+        {"fix", D::Count,
+         "fix fix_type gps_fix gps_fix_type fix_quality gps_quality gps_qual gnss_fix pos_type solution_type q quality "
+         "fixtype gnss_fix_type gps_status gnss_status fix_status | mode status"},
+        {"carrier_solution", D::Count, "carrier_solution carr_soln carrsoln carrier_soln"},
+        {"satellites", D::Count,
+         "satellites num_sats numsats num_sat num_satellites num_sv numsv nsat nsats n_sat n_sats ns nsv n_sv sats "
+         "satellites_used satellites_visible sat_count numsatellites"},
+    });
 
 const std::vector<Quantity> baro = with(
     time_only, {{"height_m", D::Length,

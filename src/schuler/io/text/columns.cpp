@@ -4,7 +4,6 @@
 #include "schuler/core/units.h"
 #include "schuler/io/text/detail/column_dictionary.h"
 #include "schuler/io/text/detail/companion_columns.h"
-#include "schuler/io/text/own_frame.h"
 #include "schuler/math/quantile.h"
 
 #include <fmt/format.h>
@@ -12,7 +11,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
 #include <tuple>
 #include <utility>
 
@@ -104,6 +102,8 @@ std::optional<Candidate> recognise(const Quantity& quantity, const Words& words)
         if (first > 0 && quantity.dimension == Dimension::Time &&
             (words[first - 1].starts_with("vel") || words[first - 1].starts_with("pos")))
             break;
+        // Nor are the components and sigmas of a velocity those of a position.
+        if (first > 0 && quantity.dimension == Dimension::Length && words[first - 1].starts_with("vel")) break;
         for (std::size_t unit_words = std::min<std::size_t>(3, words.size() - first) + 1; unit_words-- > 0;) {
             const std::size_t stop = words.size() - unit_words;
             if (stop == first && unit_words > 0) continue;
@@ -168,6 +168,7 @@ std::optional<Candidate> best_for(const Quantity& quantity, const TableLayout& l
         if (!c) continue;
         c->empty = column_is_empty(layout, column);
         if (quantity.dimension == Dimension::Time && detail::is_fraction_of_seconds(layout, column)) continue;
+        if (quantity.dimension == Dimension::Calendar && !detail::holds_dates(layout, column)) continue;
         if (!c->match.unit_stated && i < layout.units.size())
             apply_unit(quantity, joined(words_of_name(layout.units[i]), 0, words_of_name(layout.units[i]).size()), c->match);
         if (quantity.dimension == Dimension::Time && !c->match.unit_stated)
@@ -177,8 +178,9 @@ std::optional<Candidate> best_for(const Quantity& quantity, const TableLayout& l
         c->match.file_name = layout.names[i];
         // Fixes held at the rate of another instrument repeat their own time rightly.
         constexpr double nearly_all = 0.9;
-        c->repeats = quantity.dimension == Dimension::Time && kind == TableKind::Imu &&
-                     detail::repeated_share(layout, column) > nearly_all;
+        c->repeats = quantity.dimension == Dimension::Calendar ||  // coarse beside a count of seconds
+                     (quantity.dimension == Dimension::Time && kind == TableKind::Imu &&
+                      detail::repeated_share(layout, column) > nearly_all);
         if (!best || c->better_than(*best)) best = std::move(c);
     }
     return best;
@@ -380,103 +382,6 @@ ColumnPlan match_columns(const TableLayout& layout, TableKind kind, const Column
         if (!used) plan.unused.push_back(layout.names[i]);
     }
     return plan;
-}
-
-bool is_estimate(std::string_view name) {
-    const std::vector<std::string> words = words_of_name(name);
-    static constexpr std::string_view sources[] = {"onboard",   "ahrs",   "ekf",   "est",  "estimate", "estimated",
-                                                   "autopilot", "filter", "truth", "true", "ref",      "reference"};
-    return !words.empty() && std::ranges::find(sources, words.front()) != std::end(sources);
-}
-
-/// Names of commanded rather than actual values.
-static bool says_command(const std::vector<std::string>& words) {
-    static constexpr std::string_view commands[] = {"setpoint", "setpoints", "sp",     "command", "commands",
-                                                    "cmd",      "desired",   "target", "demand"};
-    return std::ranges::any_of(words,
-                               [&](const std::string& word) { return std::ranges::find(commands, word) != std::end(commands); });
-}
-
-/// True if every sample row has numbers there that form a unit quaternion.
-static bool is_rotation(const TableLayout& layout, const std::array<int, 4>& columns) {
-    std::size_t rows = 0;
-    for (const std::vector<std::string>& row : layout.sample) {
-        double square = 0.0;
-        for (const int column : columns) {
-            const double x =
-                static_cast<std::size_t>(column) < row.size() ? number_from(row[static_cast<std::size_t>(column)]) : NAN;
-            square += x * x;
-        }
-        if (std::isnan(square)) continue;
-        if (std::abs(std::sqrt(square) - 1.0) > 0.02) return false;
-        ++rows;
-    }
-    return rows > 0 || layout.sample.empty();
-}
-
-bool is_own_frame(const TableLayout& layout) {
-    const ColumnPlan plan = match_columns(layout, TableKind::Reference);
-    const auto has = [&](std::string_view name) { return plan.find(name) != nullptr; };
-    if (!has("local_x_m") || !has("local_y_m") || !has("local_z_m") || has("lat_deg") || has("ecef_x_m")) return false;
-    // An attitude that states its level axes (quat_sensor_to_enu_w) is a reference, whatever the origin of the positions.
-    const ColumnMatch* attitude = plan.find("qw");
-    if (attitude == nullptr) return true;
-    const std::vector<std::string> words = words_of_name(attitude->file_name);
-    return std::ranges::none_of(words, [](const std::string& word) { return word == "enu" || word == "ned"; });
-}
-
-/// A height beside other coordinates is that of a place, also where only one of them is recognised.
-static bool names_a_place(const TableLayout& layout) {
-    const ColumnPlan fixes = match_columns(layout, TableKind::Gnss);
-    if (fixes.find("lat_deg") != nullptr || fixes.find("lon_deg") != nullptr) return true;
-    static constexpr std::string_view coordinates[] = {"easting", "northing", "east", "north", "position"};
-    return std::ranges::any_of(layout.names, [](const std::string& name) {
-        return std::ranges::any_of(words_of_name(name), [](const std::string& word) {
-            return std::ranges::find(coordinates, word) != std::end(coordinates);
-        });
-    });
-}
-
-std::optional<TableKind> guess_table_kind(const TableLayout& layout) {
-    if (says_command(words_of_name(std::filesystem::path(layout.file).stem().string()))) return std::nullopt;
-    const auto commanded = [](const ColumnPlan& plan, std::string_view name) {
-        return says_command(words_of_name(plan.find(name)->file_name));
-    };
-    const auto complete = [&](TableKind kind, std::initializer_list<std::string_view> needed) {
-        const ColumnPlan plan = match_columns(layout, kind);
-        return std::all_of(needed.begin(), needed.end(), [&](std::string_view name) { return plan.find(name) != nullptr; });
-    };
-    if (complete(TableKind::Ranges, {"time_s", "source", "pseudorange_m"})) return TableKind::Ranges;
-    const ColumnPlan reference = match_columns(layout, TableKind::Reference);
-    bool attitude = complete(TableKind::Reference, {"time_s", "roll_deg", "pitch_deg"}) && !commanded(reference, "roll_deg");
-    if (!attitude && complete(TableKind::Reference, {"time_s", "qw", "qx", "qy", "qz"}))
-        attitude =
-            !commanded(reference, "qw") && is_rotation(layout, {reference.find("qw")->column, reference.find("qx")->column,
-                                                                reference.find("qy")->column, reference.find("qz")->column});
-    // The derivative of an acceleration is computed, as in the motion file of a simulator, whose accelerations do not show gravity.
-    const bool computed = std::ranges::any_of(layout.names, [](const std::string& name) {
-        const std::vector<std::string> words = words_of_name(name);
-        return std::ranges::find(words, "jerk") != words.end();
-    });
-    if (computed) return std::nullopt;
-    if (complete(TableKind::Imu,
-                 {"time_s", "gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s", "accel_x_m_s2", "accel_y_m_s2", "accel_z_m_s2"}) ||
-        complete(TableKind::Imu,
-                 {"time_s", "dtheta_x_rad", "dtheta_y_rad", "dtheta_z_rad", "dv_x_m_s", "dv_y_m_s", "dv_z_m_s"})) {
-        return commanded(match_columns(layout, TableKind::Imu),
-                         match_columns(layout, TableKind::Imu).find("gyro_x_rad_s") != nullptr ? "gyro_x_rad_s" : "dtheta_x_rad")
-                   ? std::nullopt
-                   : std::optional(TableKind::Imu);
-    }
-    if (attitude || complete(TableKind::Reference, {"time_s", "ecef_x_m", "ecef_y_m", "ecef_z_m"})) return TableKind::Reference;
-    if (complete(TableKind::Gnss, {"time_s", "lat_deg", "lon_deg"}))
-        return is_estimate(match_columns(layout, TableKind::Gnss).find("lat_deg")->file_name) ? TableKind::Reference
-                                                                                              : TableKind::Gnss;
-    if (complete(TableKind::Mag, {"time_s", "mag_x_ut", "mag_y_ut", "mag_z_ut"})) return TableKind::Mag;
-    if ((complete(TableKind::Baro, {"time_s", "height_m"}) && !names_a_place(layout)) ||
-        complete(TableKind::Baro, {"time_s", "pressure_pa"}))
-        return TableKind::Baro;
-    return std::nullopt;
 }
 
 }  // namespace schuler::io

@@ -39,8 +39,9 @@ struct ColumnMatch {
     Certainty certainty = Certainty::Guess;
     TimeUnit time_unit = TimeUnit::Seconds;    ///< of time columns
     HeightKind height = HeightKind::Unstated;  ///< of height columns
-    int companion = -1;                        ///< column of the hemisphere (angles) or of the fraction of a second (times)
+    int companion = -1;  ///< column of the hemisphere (angles) or of the fraction of a second or the date (times)
     TimeUnit companion_unit = TimeUnit::Nanoseconds;  ///< of that fraction
+    bool companion_date = false;                      ///< the companion of a time of day is its date
     bool degrees_minutes = false;                     ///< of angles: 4806.3456 is 48 deg 6.3456 min, as NMEA writes it
 };
 

@@ -1,6 +1,7 @@
 #include "schuler/io/text/detail/companion_columns.h"
 
 #include "schuler/io/place.h"
+#include "schuler/io/text/detail/calendar_text.h"
 #include "schuler/io/text/detail/column_dictionary.h"
 
 #include <fmt/format.h>
@@ -55,6 +56,24 @@ std::optional<Fraction> fraction_of(const TableLayout& layout, int seconds) {
         if (words == stem && all_whole_below(layout, static_cast<int>(i), second)) return Fraction{static_cast<int>(i), *unit};
     }
     return std::nullopt;
+}
+
+/// The column of the dates that belong to a column of times of day.
+int date_of(const TableLayout& layout, int times) {
+    const std::vector<std::string_view> cells = cells_of(layout, times);
+    const auto is_time_of_day = [](std::string_view cell) {
+        constexpr std::size_t hours = 2;
+        return cell.find(':') <= hours && detail::calendar_nanoseconds(cell).has_value();
+    };
+    if (cells.empty() || !std::ranges::all_of(cells, is_time_of_day)) return -1;
+    for (std::size_t i = 0; i < layout.names.size(); ++i) {
+        const std::vector<std::string> words = words_of_name(layout.names[i]);
+        if (std::ranges::find(words, "date") == words.end()) continue;
+        const std::vector<std::string_view> dates = cells_of(layout, static_cast<int>(i));
+        const auto is_date = [](std::string_view cell) { return detail::days_of_date(cell, false).has_value(); };
+        if (!dates.empty() && std::ranges::all_of(dates, is_date)) return static_cast<int>(i);
+    }
+    return -1;
 }
 
 /// How far a name says that the column holds the hemisphere of a coordinate.
@@ -125,6 +144,7 @@ FieldRequest request_of(const ColumnMatch& match) {
     request.unit = match.time_unit;
     request.companion = match.companion;
     request.companion_unit = match.companion_unit;
+    request.companion_date = match.companion_date;
     request.degrees_minutes = match.degrees_minutes;
     request.name = match.file_name;
     return request;
@@ -139,6 +159,13 @@ bool is_fraction_of_seconds(const TableLayout& layout, int column) {
         if (fraction && fraction->column == column) return true;
     }
     return false;
+}
+
+bool holds_dates(const TableLayout& layout, int column) {
+    const std::vector<std::string_view> cells = cells_of(layout, column);
+    return !cells.empty() && std::ranges::all_of(cells, [](std::string_view cell) {
+        return cell.find_first_of("-/.") < cell.find(':') && calendar_nanoseconds(cell).has_value();
+    });
 }
 
 double repeated_share(const TableLayout& layout, int column) {
@@ -162,6 +189,9 @@ void find_companions(ColumnPlan& plan, const TableLayout& layout) {
             if (const std::optional<Fraction> fraction = fraction_of(layout, match.column)) {
                 match.companion = fraction->column;
                 match.companion_unit = fraction->unit;
+            } else if (const int date = date_of(layout, match.column); date >= 0) {
+                match.companion = date;
+                match.companion_date = true;
             }
         }
     }

@@ -65,12 +65,23 @@ void RowAudit::warn(std::string_view topic, const std::string& text, std::size_t
     if (count > 0) log_.add(fmt::format("{}.{}", section_, topic), fmt::format("{}: {}", file_, text), count);
 }
 
+static std::string hint_of_bad_row(const std::string& section) {
+    return fmt::format("is it the right column? write [{0}] columns = {{ ... }}, or delete the row", section);
+}
+
 void RowAudit::bad_row(const TableReader& reader) {
-    const std::string hint = fmt::format("is it the right column? write [{0}] columns = {{ ... }}, or delete the row", section_);
+    const std::string hint = hint_of_bad_row(section_);
     if (counts_.bad++ == 0) {
         first_bad_line_ = reader.line();
         first_bad_.push_back(reader.row_error(hint));
         if (counts_.read == 1) throw first_bad_.front();
+    }
+}
+
+void RowAudit::bad_row(const TableReader& reader, std::size_t field) {
+    if (counts_.bad++ == 0) {
+        first_bad_line_ = reader.line();
+        first_bad_.push_back(reader.missing_error(field, hint_of_bad_row(section_)));
     }
 }
 

@@ -55,7 +55,7 @@ TableReader::TableReader(const TextInput& input, const TableLayout& layout, std:
         if (r.companion < 0) continue;
         companions_.emplace_back(i, requests_.size());
         requests_.push_back({.column = r.companion,
-                             .kind = r.kind == FieldKind::Time ? FieldKind::Time : FieldKind::Text,
+                             .kind = r.kind == FieldKind::Time && !r.companion_date ? FieldKind::Time : FieldKind::Text,
                              .unit = r.companion_unit,
                              .required = false,
                              .name = r.name});
@@ -99,7 +99,10 @@ bool TableReader::next() {
             problem_field_ = -1;
             p = read_row(delimiter_ == '\t' ? start : p);
             for (std::size_t i = 0; i < slots_.size(); ++i)
-                if (slots_[i].degrees_minutes) numbers_[i] = slots_[i].factor * degrees_of(numbers_[i] / slots_[i].factor);
+                if (slots_[i].degrees_minutes && !std::isnan(numbers_[i])) {
+                    numbers_[i] = slots_[i].factor * degrees_of(numbers_[i] / slots_[i].factor);
+                    texts_[i] = {};
+                }
             if (!companions_.empty()) complete();
         }
         if (*p != '\n') p = static_cast<const char*>(std::memchr(p, '\n', static_cast<std::size_t>(end_ - p)));
@@ -142,12 +145,18 @@ const char* TableReader::read_row(const char* p) {
     return p;
 }
 
-/// Adds fractions to whole seconds, and gives angles the sign of their hemisphere; the value is missing if that is.
+/// Adds fractions to whole seconds and dates to times of day, and gives angles the sign of their hemisphere; the value is missing if that is.
 void TableReader::complete() {
     for (const auto& [field, other] : companions_) {
         if (slots_[field].kind == FieldKind::Time) {
             constexpr std::int64_t second = 1'000'000'000;
             if (times_[field] == no_time) continue;
+            if (requests_[field].companion_date) {
+                constexpr std::int64_t day = 86'400 * second;
+                if (const auto days = detail::days_of_date(texts_[other], false)) times_[field] += *days * day;
+                else missing(field, texts_[other]);
+                continue;
+            }
             if (times_[other] < 0 || times_[other] >= second) missing(field, {});
             else times_[field] += times_[other];
         } else if (!std::isnan(numbers_[field])) {
@@ -220,7 +229,7 @@ const char* TableReader::field_text(const char* p, std::string_view& text) const
 void TableReader::missing(std::size_t field, std::string_view text) {
     numbers_[field] = nan;
     times_[field] = no_time;
-    if (slots_[field].kind == FieldKind::Text) texts_[field] = {};
+    texts_[field] = slots_[field].kind == FieldKind::Text ? std::string_view{} : text;
     if (requests_[field].required &&
         (problem_field_ < 0 || requests_[field].column < requests_[static_cast<std::size_t>(problem_field_)].column)) {
         problem_field_ = static_cast<int>(field);
@@ -240,11 +249,17 @@ bool TableReader::last_line_complete(const char* start, const char* stop) const 
     return last_number_length(start, stop) >= previous_length_;
 }
 
+static std::string why_missing(std::string_view text) {
+    constexpr std::size_t most = 40;
+    return text.empty() ? "the value is missing" : fmt::format("'{}' is not a number", text.substr(0, most));
+}
+
 Error TableReader::row_error(const std::string& hint) const {
-    const auto field = static_cast<std::size_t>(std::max(problem_field_, 0));
-    std::string what = "the value is missing";
-    if (!problem_text_.empty()) what = fmt::format("'{}' is not a number", problem_text_.substr(0, 40));
-    return field_error(field, what, hint);
+    return field_error(static_cast<std::size_t>(std::max(problem_field_, 0)), why_missing(problem_text_), hint);
+}
+
+Error TableReader::missing_error(std::size_t field, const std::string& hint) const {
+    return field_error(field, why_missing(texts_[field]), hint);
 }
 
 Error TableReader::field_error(std::size_t field, const std::string& what, const std::string& hint) const {

@@ -53,6 +53,7 @@ struct FieldRequest {
     std::string name;    ///< used in messages
     int companion = -1;  ///< column of the letter of the hemisphere of an Angle, or of the fraction of a Time in whole seconds
     TimeUnit companion_unit = TimeUnit::Nanoseconds;  ///< of that fraction
+    bool companion_date = false;                      ///< the companion of a Time of day is its date
     bool degrees_minutes = false;                     ///< an Angle of whole degrees times 100 and minutes
 };
 
@@ -78,6 +79,8 @@ public:
     [[nodiscard]] bool row_ok() const { return problem_field_ < 0; }
     /// Describes the problem of this row (row_ok() is false), with file, line, column and its name.
     [[nodiscard]] Error row_error(const std::string& hint) const;
+    /// The same for a field of this row that is not required, and has no number.
+    [[nodiscard]] Error missing_error(std::size_t field, const std::string& hint) const;
     /// An error about a field of this row.
     [[nodiscard]] Error field_error(std::size_t field, const std::string& what, const std::string& hint) const;
     [[nodiscard]] bool last_line_dropped() const { return last_line_dropped_; }

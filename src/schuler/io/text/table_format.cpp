@@ -5,6 +5,9 @@
 #include "schuler/io/solution/kml.h"
 #include "schuler/io/solution/solution_csv.h"
 #include "schuler/io/text/fixed_point.h"
+#include "schuler/io/text/number.h"
+
+#include <algorithm>
 
 namespace schuler::io {
 namespace {
@@ -32,6 +35,20 @@ std::string kfgins_text(std::span<const SolutionRow> rows) {
 
 bool is_text(const FileHead& head) { return !head.folder && !head.bytes.empty() && head.bytes.find('\0') == std::string::npos; }
 
+/// A section of a data set, and a file in it.
+bool names_logs(std::string_view text) {
+    bool section = false;
+    while (!text.empty()) {
+        const std::size_t end = std::min(text.find('\n'), text.size());
+        const std::string line(trimmed(text.substr(0, end)));
+        if (line == "[imu]" || line == "[gnss]") section = true;
+        else if (line.starts_with('[')) section = false;
+        else if (section && line.starts_with("file") && line.find("= \"") != std::string::npos) return true;
+        text.remove_prefix(std::min(end + 1, text.size()));
+    }
+    return false;
+}
+
 }  // namespace
 
 extern const Format toml_format, kml_format, kfgins_table_format, csv_format;
@@ -41,7 +58,9 @@ const Format toml_format = {.name = "dataset_toml",
                             .extensions = ".toml",
                             .holds = "a `dataset.toml`, or settings for `--config`",
                             .time = "-",
-                            .recognise = [](const FileHead& head) { return head.extension == ".toml"; }};
+                            .recognise = [](const FileHead& head) {
+                                return head.extension == ".toml" || (head.extension.empty() && names_logs(head.bytes));
+                            }};
 
 const Format kml_format = {.name = "kml",
                            .title = "KML",
@@ -67,7 +86,7 @@ const Format csv_format = {
     .title = "Table of text",
     .extensions = ".csv .txt .dat .tsv",
     .holds =
-        "one instrument a file, or an IMU with its fixes, columns by their names (below): EuRoC, VectorNav, ulog2csv and mavlogdump tables among them; commas, semicolons, tabs or "
+        "one instrument a file, or an IMU with its fixes, columns by their names (below): EuRoC, VectorNav, ulog2csv and mavlogdump tables among them; commas, semicolons, tabs, bars or "
         "blanks, decimal commas, a line of units, `.gz`",
     .time = "as its column says: seconds, milli-, micro- or nanoseconds; seconds of the week; UTC",
     .recognise = is_text,

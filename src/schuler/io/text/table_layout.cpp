@@ -30,7 +30,7 @@ bool is_comment(std::string_view line) { return !line.empty() && (line.front() =
 /// A wider table is not a log, and processing it would take too long.
 void check_width(const SourcePlace& place, std::string_view line) {
     constexpr std::ptrdiff_t most_columns = 4096;
-    for (const char delimiter : {',', ';', '\t', ' '})
+    for (const char delimiter : {',', ';', '\t', '|', ' '})
         if (std::count(line.begin(), line.end(), delimiter) >= most_columns)
             throw input_error(fmt::format("a line of more than {} columns", most_columns), place,
                               "is it a log, with a row for each time?");
@@ -83,7 +83,7 @@ char find_delimiter(const std::vector<Line>& rows) {
     char best = ',';
     double best_share = -1.0;
     std::size_t best_count = 0;
-    for (const char candidate : {';', ',', '\t', ' '}) {
+    for (const char candidate : {';', ',', '\t', '|', ' '}) {
         const std::size_t count = split_fields(rows[typical].text, candidate).size();
         const double share = count > 1 ? numeric_share(rows, first, candidate) : -0.5;
         if (share > best_share + 1e-9 || (share > best_share - 1e-9 && count > best_count)) {

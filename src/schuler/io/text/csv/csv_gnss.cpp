@@ -240,7 +240,7 @@ GnssTable read_gnss_csv(const TextInput& input, const CsvOptions& options, Warni
             return false;
         }
         if (std::isnan(fix.position.lat) || std::isnan(fix.position.lon) || std::isnan(fix.position.h)) {
-            audit.bad_row(row);
+            audit.bad_row(row, position.missing_field(fix.position));
             return false;
         }
         fix.velocity_n = position.velocity_n(row);

@@ -136,7 +136,7 @@ BaroTable read_baro_csv(const TextInput& input, const CsvOptions& options, Warni
         if (has_height) sample.height = row.number(height);
         if (has_pressure) sample.pressure = row.number(pressure);
         if (std::isnan(sample.height) && std::isnan(sample.pressure)) {
-            audit.bad_row(row);
+            audit.bad_row(row, has_pressure ? pressure : height);
             return false;
         }
         if (std::abs(sample.height) > 1e5) {

@@ -10,7 +10,8 @@
 
 namespace schuler::io::detail {
 
-enum class Dimension { Time, Angle, Length, Rate, Acceleration, Velocity, Pressure, Field, Temperature, Count };
+/// A Calendar is a time that is written as a date with the time of day, never as a number.
+enum class Dimension { Time, Calendar, Angle, Length, Rate, Acceleration, Velocity, Pressure, Field, Temperature, Count };
 
 /// A quantity and its stems (names without unit). Stems are separated by blanks; the first is the canonical one. Stems before a
 /// '|' are unambiguous, those after it are guesses.

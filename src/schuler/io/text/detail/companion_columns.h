@@ -10,6 +10,9 @@ namespace schuler::io::detail {
 /// True if the column holds the fraction of a second that belongs to another column, as nsecs to secs.
 [[nodiscard]] bool is_fraction_of_seconds(const TableLayout& layout, int column);
 
+/// True if the first cells of the column are dates with the time of day.
+[[nodiscard]] bool holds_dates(const TableLayout& layout, int column);
+
 /// Fraction of the first rows with the number of the row before in this column; 0 if another column completes it.
 [[nodiscard]] double repeated_share(const TableLayout& layout, int column);
 

@@ -6,6 +6,8 @@
 
 #include <Eigen/Core>
 
+#include <cmath>
+
 namespace schuler::io::detail {
 
 /// Latitude, longitude and height or Earth-fixed coordinates, and velocity, of one row.
@@ -19,6 +21,10 @@ public:
     [[nodiscard]] Geodetic position(const TableReader& row) const;
     [[nodiscard]] Eigen::Vector3d velocity_n(const TableReader& row) const;
     [[nodiscard]] std::size_t height_field() const { return height_; }
+    /// The first field without a number, of a position in degrees that lacks one.
+    [[nodiscard]] std::size_t missing_field(const Geodetic& p) const {
+        return std::isnan(p.lat) ? lat_ : std::isnan(p.lon) ? lon_ : height_;
+    }
 
 private:
     bool geodetic_ = false, ecef_ = false;

@@ -48,6 +48,8 @@ public:
 
     /// A bad row: throws if it is the first row of the file.
     void bad_row(const TableReader& reader);
+    /// A row without a number in a field that not every row has to have.
+    void bad_row(const TableReader& reader, std::size_t field);
     /// A row with an impossible value: counted as bad; many of them indicate a wrong unit, which is thrown.
     void absurd(const Error& error, const TableReader& reader);
     void read_row() { ++counts_.read; }
