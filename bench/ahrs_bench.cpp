@@ -86,20 +86,6 @@ void offsets(const std::vector<BroadTrial>& trials, const std::vector<std::vecto
     fmt::print("\n");
 }
 
-/// At the reference's epochs with movement, the nearest row.
-bench::BeyondThreeSigma beyond_three_sigma(const std::vector<ahrs::AttitudeRow>& rows,
-                                           const std::vector<ReferenceSample>& reference) {
-    bench::BeyondThreeSigma out;
-    std::size_t k = 0;
-    for (const ReferenceSample& r : reference) {
-        if (!r.movement || !r.rpy.allFinite()) continue;
-        const auto apart = [&](std::size_t i) { return std::abs((rows[i].time - r.time).seconds()); };
-        while (k + 1 < rows.size() && apart(k + 1) <= apart(k)) ++k;
-        if (apart(k) < 0.01) out.add(rows[k], math::quaternion_from_rpy(r.rpy));
-    }
-    return out;
-}
-
 void coverage(const std::vector<BroadTrial>& trials, const std::vector<std::array<bench::BeyondThreeSigma, 2>>& beyond) {
     fmt::print("beyond three sigma in movement, %, online and offline: tilt; heading (raw: the field is taken for north)\n");
     for (std::size_t i = 0; i < trials.size(); ++i) {
@@ -126,7 +112,7 @@ void accuracy(const std::vector<BroadTrial>& trials) {
             const app::AhrsInput input = app::ahrs_input(t.data, request, unheard);
             const ahrs::RunResult result = ahrs::run(input.imu, input.mag, input.speed, input.settings);
             all.back().push_back(analysis::broad_errors(app::attitude_pairs(result.rows, t.data.recording.reference)));
-            if (k < 2) beyond.back()[k] = beyond_three_sigma(result.rows, t.data.recording.reference);
+            if (k < 2) beyond.back()[k] = bench::beyond_three_sigma(result.rows, t.data.recording.reference);
         }
     }
     for (const bool raw : {false, true}) {

@@ -5,6 +5,7 @@
 #include "schuler/math/rotation.h"
 
 #include <cmath>
+#include <vector>
 
 namespace schuler::bench {
 
@@ -23,5 +24,19 @@ struct BeyondThreeSigma {
         return 100.0 * static_cast<double>(count) / static_cast<double>(epochs);
     }
 };
+
+/// At the reference's epochs with movement, the nearest row.
+inline BeyondThreeSigma beyond_three_sigma(const std::vector<ahrs::AttitudeRow>& rows,
+                                           const std::vector<ReferenceSample>& reference) {
+    BeyondThreeSigma out;
+    std::size_t k = 0;
+    for (const ReferenceSample& r : reference) {
+        if (!r.movement || !r.rpy.allFinite()) continue;
+        const auto apart = [&](std::size_t i) { return std::abs((rows[i].time - r.time).seconds()); };
+        while (k + 1 < rows.size() && apart(k + 1) <= apart(k)) ++k;
+        if (apart(k) < 0.01) out.add(rows[k], math::quaternion_from_rpy(r.rpy));
+    }
+    return out;
+}
 
 }  // namespace schuler::bench

@@ -1,7 +1,8 @@
 // The trials of the BROAD benchmark spoilt on purpose: magnets, fields that change, axes in all orders and signs, calibration of
-// magnetometers that are wrong. Directions at random from a seed.
+// magnetometers that are wrong, gaps in the log, biases of the gyro. Directions at random from a seed.
 //
 //     bench_ahrs_spoilt [FOLDER] [SEED]
+#include "ahrs_coverage.h"
 #include "broad_trials.h"
 #include "schuler/ahrs/run.h"
 #include "schuler/app/attitude/ahrs.h"
@@ -16,6 +17,8 @@
 #include <array>
 #include <cstdlib>
 #include <functional>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -122,6 +125,67 @@ void calibration_and_magnets(const std::vector<BroadTrial>& trials, std::uint64_
     }
 }
 
+using SpoilImu = std::function<void(std::vector<ImuSample>&, math::Random&)>;
+
+/// Five gaps of a length (s), at random from 15 s on.
+SpoilImu gaps(double length) {
+    return [=](std::vector<ImuSample>& imu, math::Random& r) {
+        const double from = imu.front().time.seconds() + 15.0, span = imu.back().time.seconds() - 10.0 - from;
+        std::array<double, 5> at{};
+        for (double& a : at) a = from + span * r.uniform();
+        std::erase_if(imu, [&](const ImuSample& s) {
+            const double t = s.time.seconds();
+            return std::ranges::any_of(at, [&](double a) { return t > a && t < a + length; });
+        });
+    };
+}
+
+/// A constant rate (rad/s) of random direction.
+SpoilImu biased(double rate) {
+    return [=](std::vector<ImuSample>& imu, math::Random& r) {
+        const Vector3d bias = rate * r.normal3().normalized();
+        for (ImuSample& s : imu) s.gyro += bias;
+    };
+}
+
+void gaps_and_biases(const std::vector<BroadTrial>& trials, std::uint64_t seed) {
+    fmt::print(
+        "\ngaps in the IMU log and biases of the gyro: total error, deg RMS, mean (largest); headings beyond three sigma in movement, %, mean "
+        "(largest)\n{:<22}{:>48}{:>48}\n{:<22}{:>16}{:>16}{:>16}{:>16}{:>16}{:>16}\n",
+        "", "online", "offline", "", "removed", "raw", "beyond", "removed", "raw", "beyond");
+    std::vector<std::pair<std::string, SpoilImu>> cases;
+    for (const double length : {0.05, 0.1, 0.2, 0.3, 0.49, 0.6, 1.0})
+        cases.emplace_back(fmt::format("5 gaps of {} s", length), gaps(length));
+    for (const double rate : {2.5, 3.5, 5.0, 10.0, 20.0})
+        cases.emplace_back(fmt::format("bias of {} deg/s", rate), biased(rate * units::deg_per_s));
+    for (const auto& [name, spoil] : cases) {
+        fmt::print("{:<22}", name);
+        for (const bool offline : {false, true}) {
+            std::array<double, 3> mean{}, largest{};
+            for (const BroadTrial& t : trials) {
+                solution::LoadedDataset data = t.data;
+                math::Random random(seed, t.name.substr(0, 2));
+                spoil(data.recording.imu, random);
+                WarningLog unheard;
+                app::AhrsRequest request;
+                request.offline = offline;
+                const app::AhrsInput input = app::ahrs_input(data, request, unheard);
+                const ahrs::RunResult result = ahrs::run(input.imu, input.mag, input.speed, input.settings);
+                const auto e = analysis::broad_errors(app::attitude_pairs(result.rows, data.recording.reference));
+                const bench::BeyondThreeSigma beyond = bench::beyond_three_sigma(result.rows, data.recording.reference);
+                const std::array<double, 3> here{e.total / units::deg, e.raw_total / units::deg, beyond.percent(beyond.heading)};
+                for (std::size_t i = 0; i < here.size(); ++i) {
+                    mean[i] += here[i] / static_cast<double>(trials.size());
+                    largest[i] = std::max(largest[i], here[i]);
+                }
+            }
+            for (std::size_t i = 0; i < mean.size(); ++i)
+                fmt::print("{:>16}", fmt::format("{:.2f} ({:.2f})", mean[i], largest[i]));
+        }
+        fmt::print("\n");
+    }
+}
+
 void axes(const std::vector<BroadTrial>& trials) {
     fmt::print(
         "\naxes of the magnetometer in all orders and signs: recognised and undone, of 24 rotations and 24 mirrored ones\n");
@@ -157,7 +221,9 @@ int main(int argc, char** argv) {
         fmt::print("no broad_* folders: name the folder that holds them\n");
         return 0;
     }
-    calibration_and_magnets(trials, argc > 2 ? static_cast<std::uint64_t>(std::atoll(argv[2])) : 1);
+    const std::uint64_t seed = argc > 2 ? static_cast<std::uint64_t>(std::atoll(argv[2])) : 1;
+    calibration_and_magnets(trials, seed);
+    gaps_and_biases(trials, seed);
     axes(trials);
     return 0;
 }

@@ -84,8 +84,8 @@ TEST(FurtherSensors, AHeadingSensorThatIsRefusedLeavesTheHeadingInDoubt) {
     WarningLog unheard;
     const Result result = run_filter(recording, settings_of(scenario), unheard);
     const auto sigma = [&](double t) {
-        const auto row = std::ranges::lower_bound(result.forward.rows, recording.gnss.front().time + Duration::from_seconds(t), {},
-                                                  &SolutionRow::time);
+        const auto row = std::ranges::lower_bound(result.forward.rows, recording.gnss.front().time + Duration::from_seconds(t),
+                                                  {}, &SolutionRow::time);
         return row->std_rpy.z() / units::deg;
     };
     EXPECT_LT(sigma(99.0), 2.0);

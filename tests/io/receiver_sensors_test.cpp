@@ -1,5 +1,6 @@
 // Inertial sensors and solutions of receivers: NovAtel, u-blox ESF; SBET, GPX, MAT, KITTI, Inertial Explorer, OB_GINS.
 #include "schuler/core/units.h"
+#include "schuler/earth/earth.h"
 #include "schuler/io/formats.h"
 #include "schuler/io/receiver/nmea.h"
 #include "schuler/io/solution/kfgins.h"
@@ -289,7 +290,12 @@ TEST_F(ReceiverSensors, ObGinsProjectsAreReadAsKfGinsProjects) {
     ASSERT_TRUE(is_kfgins_project(TextInput(file)));
     const KfGinsProject p = read_kfgins_project(TextInput(file));
     EXPECT_EQ(p.gnss_path, folder() / "gnss.pos") << "beside the project where its own path is not there";
-    EXPECT_NEAR(p.position.lat / units::deg, 30.5, 1e-12) << "the first fix from the start on";
+    // the first fix from the start on is that of the antenna: 0.3 m to the right of a unit that heads west is to its north
+    const Geodetic antenna = earth::moved_by_ned({}, p.position, {0.288, 0.131, 0.1});
+    EXPECT_NEAR((antenna.lat - 30.5 * units::deg) * 6.4e6, 0.0, 2e-3);
+    EXPECT_NEAR((antenna.lon - 114.5 * units::deg) * 5.5e6, 0.0, 2e-3);
+    EXPECT_NEAR(antenna.h, 23.0, 1e-6);
+    EXPECT_GT(p.std_position.x(), 0.03) << "of the lever arm, whose direction is as uncertain as the heading";
     EXPECT_EQ(p.lever_arm_b.y(), 0.3);
     EXPECT_NEAR(p.rpy.z(), 276.0 * units::deg, 1e-12);
 }

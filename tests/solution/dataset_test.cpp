@@ -1,7 +1,9 @@
 #include "schuler/settings/dataset.h"
 #include "schuler/app/commands.h"
 #include "schuler/dataset/trajectory_file.h"
+#include "schuler/inspect/inspect.h"
 #include "schuler/io/formats.h"
+#include "schuler/io/solution/solution_csv.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/settings/kfgins_settings.h"
 #include "schuler/settings/toml_file.h"
@@ -13,6 +15,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 
 namespace schuler::solution {
 namespace {
@@ -248,6 +251,50 @@ TEST_F(DatasetTest, ASolutionComesBackFromMcapWhole) {
         EXPECT_NEAR((back[i].std_position - rows[i].std_position).norm(), 0.0, 1e-12);
         EXPECT_NEAR((back[i].std_velocity - rows[i].std_velocity).norm(), 0.0, 1e-12);
     }
+}
+
+std::string content_of(const std::filesystem::path& file) {
+    std::ifstream in(file);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+TEST_F(DatasetTest, DatedFormatsHaveTheDateOfTheLogWhateverItsClock) {
+    const char* rows = "1714730400,48.1,11.5,500\n1714730401,48.1001,11.5,500\n";  // 2024-05-03 10:00 UTC
+    write("utc.csv", std::string("time_utc_s,lat_deg,lon_deg,height_m\n") + rows);
+    write("computer.csv", std::string("time_s,lat_deg,lon_deg,height_m\n") + rows);
+    write("gps.csv", "time_gps_s,lat_deg,lon_deg,height_m\n1398765618,48.1,11.5,500\n1398765619,48.1001,11.5,500\n");
+    const auto converted = [&](const char* in, const char* out) {
+        (void)app::convert_file(folder_ / in, folder_ / out, {});
+        return content_of(folder_ / out);
+    };
+    for (const char* in : {"utc.csv", "computer.csv", "gps.csv"})
+        EXPECT_NE(converted(in, "dated.gpx").find("<time>2024-05-03T10:00:00Z"), std::string::npos) << in;
+    // by way of formats that count from 1970
+    for (const char* way : {"way.mcap", "way.tum"}) {
+        (void)converted("utc.csv", way);
+        EXPECT_NE(converted(way, "dated.gpx").find("<time>2024-05-03T10:00:00Z"), std::string::npos) << way;
+    }
+    // tables keep their own times
+    EXPECT_NE(converted("utc.csv", "same.csv").find("\n1714730400.000,"), std::string::npos);
+    // of a run before the time in which the numbers alone tell: its settings do
+    std::filesystem::create_directories(folder_ / "run");
+    write("run/config.toml", "[time]\nscale = \"utc\"\n");
+    std::string solution(io::solution_csv_header());
+    solution +=
+        "\n1403636580,48.1,11.5,500" + std::string(16, ',') + "\n1403636581,48.1001,11.5,500" + std::string(16, ',') + "\n";
+    write("run/solution.csv", solution);
+    EXPECT_NE(converted("run/solution.csv", "dated.gpx").find("<time>2014-06-24T19:03:00Z"), std::string::npos)
+        << content_of(folder_ / "dated.gpx");
+}
+
+TEST_F(DatasetTest, AnEarlierSolutionInTheFolderIsNoReference) {
+    std::string solution(io::solution_csv_header());
+    for (int i = 0; i < 20; ++i) solution += fmt::format("\n{},48.1,11.5,500{}", i, std::string(16, ','));
+    write("solution.csv", solution + "\n");
+    const inspect::InspectReport report = inspect::inspect(folder_);
+    ASSERT_EQ(report.files.size(), 1u);
+    EXPECT_EQ(report.files[0].kind, "solution");
+    EXPECT_EQ(report.dataset_toml.find("solution.csv"), std::string::npos);
 }
 
 TEST_F(DatasetTest, ALogThatIsNotRecognisedIsNamedBeforeTheFolderForItsTables) {

@@ -38,11 +38,11 @@ struct LoadedFile {
     bool fix_by_evidence = false;                        ///< ... determined from the codes present
     std::map<std::string, FixType> fix_codes;            ///< the codes present
     std::optional<io::TimeUnit> time_unit_judged;        ///< if the intervals indicate a unit other than that of the name
-    bool beside_imu = false;                             ///< fixes or magnetometer of the IMU's own table: one of their own is preferred
-    bool computed = false;                               ///< no file: fixes from raw measurements, for the analysis only
-    bool gps_time = false;                               ///< times are GPS time since 1980 (RTKLIB, NMEA): certain
-    bool by_arrival = false;                             ///< io::Stream::by_arrival
-    Cadence cadence;                                     ///< times in s after `cadence_origin_ns`
+    bool beside_imu = false;  ///< fixes or magnetometer of the IMU's own table: one of their own is preferred
+    bool computed = false;    ///< no file: fixes from raw measurements, for the analysis only
+    bool gps_time = false;    ///< times are GPS time since 1980 (RTKLIB, NMEA): certain
+    bool by_arrival = false;  ///< io::Stream::by_arrival
+    Cadence cadence;          ///< times in s after `cadence_origin_ns`
     std::int64_t cadence_origin_ns = 0;
 
     [[nodiscard]] bool has(const std::string& canonical) const { return columns.contains(canonical); }
