@@ -1,7 +1,9 @@
-// What `schuler ahrs` takes for the ranges of the instruments.
+// What `schuler ahrs` takes for the ranges of the instruments and the unit of the gyro, and which settings it uses.
 #include "schuler/app/attitude/ahrs.h"
 #include "schuler/core/units.h"
 #include "schuler/math/random.h"
+#include "schuler/math/rotation.h"
+#include "schuler/solution/ignored.h"
 
 #include <gtest/gtest.h>
 
@@ -53,6 +55,55 @@ TEST(AhrsRanges, SteadyTurnsAreNoLimit) {
     EXPECT_TRUE(std::isinf(gyro_ranges(turn, 0.0).z())) << "of a simulation without noise";
     const auto turns = [](double t) { return Vector3d(1e-6 * t, 0.0, std::fmod(t, 20.0) > 10.0 ? 30.0 : 0.0); };
     EXPECT_TRUE(std::isinf(gyro_ranges(turns, 0.0).z())) << "three of them";
+}
+
+/// A minute of swinging in the hand: gravity and the field as a sensor at these rates sees them, the rates themselves times `factor`.
+solution::LoadedDataset swinging(double factor) {
+    solution::LoadedDataset data;
+    math::Random noise(2, "units");
+    Eigen::Quaterniond q_nb = Eigen::Quaterniond::Identity();
+    for (int i = 0; i < 6000; ++i) {
+        const double t = 0.01 * i;
+        const Vector3d rate(0.8 * std::sin(1.3 * t), 0.5 * std::cos(0.9 * t), 0.6 * std::sin(0.7 * t));
+        q_nb = q_nb * math::quaternion_from_rotation_vector(0.01 * rate);
+        const Vector3d force = q_nb.conjugate() * Vector3d(0.0, 0.0, -9.81),
+                       field = q_nb.conjugate() * Vector3d(19e-6, 0.0, 45e-6);
+        data.recording.imu.push_back(
+            {Time::from_seconds(t), factor * (rate + 0.002 * noise.normal3()), force + 0.05 * noise.normal3()});
+        data.recording.mag.push_back({Time::from_seconds(t), field + 200e-9 * noise.normal3()});
+    }
+    return data;
+}
+
+TEST(AhrsInput, RatesInAnotherUnitAreToldByGravityAndTheField) {
+    for (const double factor : {1.0, 1.0 / units::deg, units::deg}) {
+        const solution::LoadedDataset data = swinging(factor);
+        WarningLog warnings;
+        const AhrsInput input = ahrs_input(data, {}, warnings);
+        EXPECT_NEAR((input.imu[1000].gyro - data.recording.imu[1000].gyro / factor).norm(), 0.0, 1e-6) << factor;
+        const bool told =
+            std::ranges::any_of(warnings.summary(), [](const std::string& w) { return w.starts_with("the gyro's rates"); });
+        EXPECT_EQ(told, factor != 1.0) << factor;
+    }
+}
+
+TEST(AhrsInput, SettingsWithoutAPartInTheAttitudeAreNamed) {
+    settings::Config config;
+    config.filter.smooth = true;
+    config.filter.mag.declination = 0.1;
+    config.filter.imu.gap_factor = 5.0;
+    const std::vector<solution::Ignored> ignored = solution::ignored_by_attitude(
+        config, {"filter.smooth", "mag.declination_deg", "imu.gap_factor", "imu.gyro_noise_deg_sqrt_h"});
+    ASSERT_EQ(ignored.size(), 1u);
+    EXPECT_EQ(ignored[0].key, "filter.smooth") << "and not what is as by default";
+    solution::LoadedDataset data = swinging(1.0);
+    data.config = config;
+    WarningLog warnings;
+    const AhrsInput input = ahrs_input(data, {}, warnings);
+    EXPECT_EQ(input.settings.mekf.guard.gap_factor, 5.0);
+    EXPECT_EQ(input.settings.mekf.heading.declination, 0.1);
+    data.config.filter.mag.use = false;
+    EXPECT_TRUE(ahrs_input(data, {}, warnings).mag.empty());
 }
 
 }  // namespace

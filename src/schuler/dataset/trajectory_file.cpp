@@ -116,6 +116,10 @@ Trajectory read_rows(const fs::path& file, WarningLog& warnings) {
     }
     if (io::is_solution_csv(input)) return {io::read_solution_csv(input, warnings)};
     if (is_kfgins_gnss(input, file)) return {rows_of(io::read_kfgins_gnss(input, warnings).fixes)};
+    // fixes have sigmas, which a reference has not
+    const io::TableLayout layout = io::inspect_table(input);
+    if (!layout.names.empty() && io::guess_table_kind(layout) == io::TableKind::Gnss)
+        return {rows_of(io::read_gnss_csv(input, {}, warnings).fixes)};
     return {rows_of(read_reference(input, {}, warnings))};
 }
 

@@ -41,6 +41,10 @@ struct AhrsInput {
 /// @throws Error(Input) for incompatible options.
 [[nodiscard]] AhrsInput ahrs_input(const solution::LoadedDataset& data, const AhrsRequest& request, WarningLog& warnings);
 
+/// Rescales the gyro's rates if they are in degrees, or were converted twice, by what accelerometer and magnetometer show of the same
+/// rotation; only a warning where that is not clear.
+void settle_gyro_unit(AhrsInput& input, WarningLog& warnings);
+
 /// Problems visible in the samples themselves: too low a sampling rate, wrong units, magnetometer axes that differ from the
 /// IMU's, a magnetometer missing for long. @throws Error(Input) if no attitude can be computed.
 void check_ahrs_input(const AhrsInput& input, WarningLog& warnings);

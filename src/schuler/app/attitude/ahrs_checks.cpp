@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace schuler::app {
 namespace {
@@ -21,21 +22,12 @@ void check_times(const AhrsInput& input) {
     }
 }
 
-/// Rates in deg/s under a name with rad/s make every rotation 57 times too small.
-bool rates_in_degrees(const analysis::TurnAgreement& a) {
-    constexpr double least_agreement = 0.3;
-    return a.turned > enough_turned && a.correlation > least_agreement && a.factor > 0.3 * units::deg &&
-           a.factor < 3.0 * units::deg;
-}
-
-void check_gyro(const AhrsInput& input, const analysis::TurnAgreement& field, WarningLog& warnings) {
-    const auto& imu = input.imu;
-    const auto force = analysis::turn_agreement(
-        imu, imu.size(), [&](std::size_t k) { return imu[k].time; }, [&](std::size_t k) { return imu[k].accel; });
-    if (!rates_in_degrees(field) && !rates_in_degrees(force)) return;
-    warnings.add("ahrs.gyro.unit",
-                 "the gyro's rates are some 57 times those that accelerometer and magnetometer show: deg/s? "
-                 "write it into the columns' names, as in gyro_x_deg_s");
+/// By what the rates have to be multiplied, if degrees and radians were confused: every rotation is 57 times too small or too large.
+std::optional<double> wrong_unit(const analysis::TurnAgreement& a, double least_agreement) {
+    if (!(a.turned > enough_turned && a.correlation > least_agreement)) return std::nullopt;
+    for (const double unit : {units::deg, 1.0 / units::deg})
+        if (a.factor > 0.3 * unit && a.factor < 3.0 * unit) return unit;
+    return std::nullopt;
 }
 
 void check_magnetometer(const AhrsInput& input, const analysis::TurnAgreement& field, WarningLog& warnings) {
@@ -52,7 +44,7 @@ void check_magnetometer(const AhrsInput& input, const analysis::TurnAgreement& f
                                                   size));
     }
     constexpr double least_agreement = 0.6;
-    if (field.turned > enough_turned && !rates_in_degrees(field) && field.correlation < least_agreement) {
+    if (field.turned > enough_turned && field.correlation < least_agreement) {
         warnings.add("ahrs.mag.axes",
                      fmt::format("the magnetometer does not turn with the gyro (correlation {:.2f}, 1 expected): are its axes "
                                  "those of the IMU? heading cannot be trusted; --six-axis leaves it out",
@@ -69,12 +61,34 @@ void check_magnetometer(const AhrsInput& input, const analysis::TurnAgreement& f
 
 }  // namespace
 
+void settle_gyro_unit(AhrsInput& input, WarningLog& warnings) {
+    const auto& imu = input.imu;
+    const auto& mag = input.mag;
+    const auto field = analysis::turn_agreement(
+        imu, mag.size(), [&](std::size_t k) { return mag[k].time; }, [&](std::size_t k) { return mag[k].field_b; });
+    const auto force = analysis::turn_agreement(
+        imu, imu.size(), [&](std::size_t k) { return imu[k].time; }, [&](std::size_t k) { return imu[k].accel; });
+    constexpr double suspicious = 0.3, clear = 0.6;  // correlation
+    std::optional<double> unit = wrong_unit(field, suspicious);
+    if (!unit) unit = wrong_unit(force, suspicious);
+    if (!unit) return;
+    const bool settled = wrong_unit(field, clear) == unit || wrong_unit(force, clear) == unit;
+    if (settled)
+        for (ImuSample& s : input.imu) s.gyro *= *unit;
+    const char* what = *unit < 1.0
+                           ? "the gyro's rates are some 57 times those that accelerometer and magnetometer show: deg/s?"
+                           : "the gyro's rates are a 57th of those that accelerometer and magnetometer show: converted twice?";
+    warnings.add("ahrs.gyro.unit",
+                 settled ? fmt::format("{} they are multiplied by {:.7g}; give [imu] scale = {{ gyro_rad_s = {:.7g} }}", what,
+                                       *unit, *unit)
+                         : fmt::format("{} write the unit into the columns' names, as in gyro_x_deg_s", what));
+}
+
 void check_ahrs_input(const AhrsInput& input, WarningLog& warnings) {
     check_times(input);
     const auto& mag = input.mag;
     const auto field = analysis::turn_agreement(
         input.imu, mag.size(), [&](std::size_t k) { return mag[k].time; }, [&](std::size_t k) { return mag[k].field_b; });
-    check_gyro(input, field, warnings);
     if (!mag.empty() && !input.settings.mekf.six_axis) check_magnetometer(input, field, warnings);
 }
 

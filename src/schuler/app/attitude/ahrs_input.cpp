@@ -196,6 +196,7 @@ AhrsInput ahrs_input(const solution::LoadedDataset& data, const AhrsRequest& req
                   std::ranges::find_if(out.mag, [&](const MagSample& s) { return s.time >= out.imu.front().time; }));
     out.speed = speeds_of(r, f.vehicle);
 
+    settle_gyro_unit(out, warnings);
     out.settings.mekf.six_axis = request.six_axis;
     if (out.mag.empty() && !request.six_axis) {
         out.settings.mekf.six_axis = true;
