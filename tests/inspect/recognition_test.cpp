@@ -295,7 +295,7 @@ TEST_F(Recognition, ArchivesAreToldToBeUnpacked) {
                                             std::tuple("log.csv.zst", "\x28\xb5\x2f\xfd" + std::string(300, '\1'), "zstd")}) {
         const InspectReport report = inspect(write(name, bytes));
         ASSERT_EQ(report.files.size(), 1U);
-        EXPECT_EQ(report.files.front().kind, "unknown");
+        EXPECT_EQ(report.files.front().kind, "archive");
         ASSERT_FALSE(report.files.front().problems.empty()) << name;
         EXPECT_NE(report.files.front().problems.front().text.find(std::string("packed with ") + what), std::string::npos)
             << report.files.front().problems.front().text;

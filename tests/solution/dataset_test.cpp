@@ -287,6 +287,38 @@ TEST_F(DatasetTest, DatedFormatsHaveTheDateOfTheLogWhateverItsClock) {
         << content_of(folder_ / "dated.gpx");
 }
 
+TEST_F(DatasetTest, ASolutionIsComparedWithAReferenceOnAnotherScale) {
+    const auto rows = [](double first) {
+        std::string text;
+        for (int i = 0; i < 20; ++i) text += fmt::format("{:.1f},48.1,11.5,{}\n", first + i, 500 + i);
+        return text;
+    };
+    write("ours.csv", "time_gps_s,lat_deg,lon_deg,height_m\n" + rows(1398765618.0));
+    write("theirs.csv", "time_utc_s,lat_deg,lon_deg,height_m\n" + rows(1714730400.0));
+    const report::Outcome out = app::evaluate_files(folder_ / "ours.csv", folder_ / "theirs.csv", 0.0);
+    EXPECT_NE(out.tables.find("errors at 20 epochs"), std::string::npos) << out.tables;
+    write("elsewhen.csv", "time_utc_s,lat_deg,lon_deg,height_m\n" + rows(1700000000.0));
+    EXPECT_THROW((void)app::evaluate_files(folder_ / "ours.csv", folder_ / "elsewhen.csv", 0.0), Error);
+}
+
+TEST_F(DatasetTest, AFolderThatIsALogItselfIsReadByItsName) {
+    std::filesystem::create_directories(folder_ / "oxts/data");
+    std::string times;
+    for (int i = 0; i < 12; ++i) {
+        times += fmt::format("2011-09-26 13:02:{:02d}.000000000\n", 20 + i);
+        write(fmt::format("oxts/data/{:010d}.txt", i),
+              "48.1 11.5 500 0 0 0 1 0 1 0 0 0 0 9.8 0 0 9.8 0 0 0 0 0 0 .05 .02 4 10 4 4 0\n");
+    }
+    write("oxts/timestamps.txt", times);
+    for (const char* name : {"oxts", "oxts/"}) {
+        const settings::Dataset d = settings::open_dataset(folder_ / name);
+        const settings::Config config = settings::config_from(d.settings);
+        WarningLog warnings;
+        EXPECT_EQ(load_dataset(d, config, warnings).recording.imu.size(), 12u) << name;
+        EXPECT_EQ(d.name, "oxts");
+    }
+}
+
 TEST_F(DatasetTest, AnEarlierSolutionInTheFolderIsNoReference) {
     std::string solution(io::solution_csv_header());
     for (int i = 0; i < 20; ++i) solution += fmt::format("\n{},48.1,11.5,500{}", i, std::string(16, ','));

@@ -25,19 +25,24 @@ struct Counters {
     std::size_t magnets = 0;           ///< number of times a magnet was detected on the sensor, or its removal
 };
 
-/// The usual interval between samples, learnt as they come.
+/// The usual interval between samples, learnt as they come: their mean weighted by their length, over some twenty of them, so that stamps
+/// in bursts and odd first ones do not count. Gaps have no part in it.
 class UsualStep {
 public:
-    /// True if an interval is more than `factor` usual ones. A rate that has changed is followed within some ten samples.
+    /// True if an interval is more than `factor` usual ones; never for the first ten. Where the rate has changed for good, its interval
+    /// becomes usual soon.
     [[nodiscard]] bool exceeded_by(double dt, double factor) {
-        if (!(usual_ > 0.0)) usual_ = dt;
-        const bool exceeded = dt > factor * usual_;
-        usual_ += (exceeded ? 0.1 : 0.05 * (dt / usual_ - 1.0)) * usual_;
+        constexpr int first = 10;
+        constexpr double memory = 20.0, growth = 1.1;
+        const bool exceeded = count_ >= first && dt > factor * usual_;
+        if (count_ < first) ++count_;
+        usual_ = exceeded ? growth * usual_ : usual_ + dt / (memory * usual_ + dt) * (dt - usual_);
         return exceeded;
     }
 
 private:
     double usual_ = 0.0;  // s
+    int count_ = 0;
 };
 
 /// Checks the samples of one instrument in order.

@@ -32,9 +32,9 @@ std::optional<bool> field_stays(std::span<const MagSample> mag, Time from, Time 
     const Vector3d turning = rate - rate.dot(first.normalized()) * first.normalized();
     const double expected = turning.norm() * span,
                  seen = std::acos(std::clamp(first.normalized().dot(last.normalized()), -1.0, 1.0));
-    constexpr double visible = 5.0 * units::deg;
+    constexpr double visible = 10.0 * units::deg, still = 0.1;  // of it: a magnet on the sensor hides a part of the rotation
     if (expected < visible) return std::nullopt;
-    return seen < 0.3 * expected;
+    return seen < still * expected;
 }
 
 }  // namespace
@@ -70,12 +70,10 @@ std::optional<Vector3d> resting_rate(std::span<const ImuSample> imu, std::span<c
         rate = force = Vector3d::Zero();
         duration = 0.0;
         if (calm < long_enough) continue;
-        const Vector3d mean = run_rate / calm, up = run_force.normalized();
+        const Vector3d mean = run_rate / calm;
         if (mean.norm() < settings.largest_rate) return std::nullopt;
         const std::optional<bool> stays = field_stays(mag, begin, imu[i].time, mean);
-        // a rotation about any axis but the vertical would have turned the specific force
-        const double moved = (mean - mean.dot(up) * up).norm() * run_force.norm();  // m/s^2
-        if (mean.norm() <= largest && (stays ? *stays : moved > 3.0 * settings.force_change)) return mean;
+        if (mean.norm() <= largest && stays.value_or(false)) return mean;
         // not yet visible: a longer calm may show it; a rotation that goes on for longer would come back to where it began
         constexpr double longest = 10.0;  // s
         if (stays || calm > longest) calm = 0.0;

@@ -11,9 +11,9 @@
 
 namespace schuler::ahrs {
 
-/// Mean rate (rad/s, body) over the first 3 to 10 s of rest, if it is above what the filters take for rest. Rest: rate and specific force stay
-/// constant, and so does the direction of the field, which a rotation about the vertical would turn. Without a magnetometer a rate
-/// about the vertical alone may be a rotation: it is not taken.
+/// Mean rate (rad/s, body) over the first 3 to 10 s of rest, if it is above what the filters take for rest. Rest: rate and specific force
+/// stay constant, and so does the direction of the field. The force alone would not do: in a steady turn it is constant as well. Without
+/// a magnetometer, or where the rate is along the field, no bias is found.
 [[nodiscard]] std::optional<Eigen::Vector3d> resting_rate(std::span<const ImuSample> imu, std::span<const MagSample> mag,
                                                           const RestSettings& settings);
 

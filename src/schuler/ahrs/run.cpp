@@ -31,7 +31,8 @@ RunResult run_vector_filter(std::span<const ImuSample> imu, std::span<const MagS
         const bool rate_known = gyro.usable(imu[i].gyro, out.counters.gyro),
                    force_known = accel.usable(imu[i].accel, out.counters.accel);
         if (rate_known) rate = imu[i].gyro;
-        if (dt > 0.0 && usual.exceeded_by(dt, g.gap_factor)) ++out.counters.gaps;
+        const bool gap = dt > 0.0 && usual.exceeded_by(dt, g.gap_factor);
+        if (gap || dt > g.longest_step) ++out.counters.gaps;
         if (rate_known && force_known && dt > 0.0 && dt <= g.longest_step) rest.feed(dt, imu[i].gyro, imu[i].accel);
         filter.propagate(std::min(dt, g.longest_step), rate - rest.bias());
         if (force_known) filter.accelerometer(imu[i].accel);

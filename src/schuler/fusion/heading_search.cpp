@@ -91,6 +91,11 @@ void allow_for_latency(RunData& data, const GnssSettings& gnss) {
 
 }  // namespace
 
+double unknown_lever_arm_std(const Settings& settings) {
+    constexpr double mast = 10.0;  // m
+    return settings.vehicle == VehicleKind::Ship ? mast : settings.gnss.lever_arm_std;
+}
+
 HeadingSearch search_heading(const RunData& all, const Settings& settings, const Start& given, const Level& level, Time motion,
                              const std::optional<HeadingWitness>& witness) {
     RunData data = gnss_only(all);
@@ -102,10 +107,9 @@ HeadingSearch search_heading(const RunData& all, const Settings& settings, const
     settings_of_trial.gnss.velocity_latency_std = settings.gnss.velocity_latency_std;
     // The motion of an antenna about the unit, in waves or in a swinging hand, looks like one of the unit with another heading. A car's
     // antenna moves so only as the car turns, which accelerates it by far more.
-    constexpr double mast = 10.0;  // m
     settings_of_trial.estimate_lever_arm =
         settings.vehicle != VehicleKind::Car && (settings.estimate_lever_arm || settings.gnss.lever_arm_b.isZero(0.0));
-    if (!settings.estimate_lever_arm && settings.vehicle == VehicleKind::Ship) settings_of_trial.gnss.lever_arm_std = mast;
+    if (!settings.estimate_lever_arm) settings_of_trial.gnss.lever_arm_std = unknown_lever_arm_std(settings);
     Start start = given;
     start.std_rpy = Vector3d(level.std, level.std, 1.2 * std::numbers::pi / headings);
     std::vector<Start> starts(headings, start);

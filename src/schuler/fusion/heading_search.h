@@ -29,6 +29,9 @@ struct Level {
     double std = 0.0;                               ///< rad
 };
 
+/// One sigma of the components of a lever arm that is not given, m: that of the settings, on a ship the height of a mast.
+[[nodiscard]] double unknown_lever_arm_std(const Settings& settings);
+
 /// Tries headings all around the compass over 15 s, one, four and sixteen minutes from `motion` on, until one is left: a sum of
 /// Gaussians with equal initial weights, approximating a uniform heading. Rejected trials are not continued. Likelihoods are
 /// tempered: receiver errors are correlated, and a linearised filter is inaccurate for errors of tens of degrees. `start`

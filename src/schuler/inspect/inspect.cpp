@@ -1,7 +1,7 @@
 #include "schuler/inspect/inspect.h"
 
 #include "schuler/core/error.h"
-#include "schuler/inspect/detail/magnetometer_beside.h"
+#include "schuler/inspect/detail/beside_imu.h"
 #include "schuler/inspect/detail/parts.h"
 #include "schuler/inspect/detail/recognise.h"
 #include "schuler/inspect/detail/study.h"
@@ -216,9 +216,7 @@ void report_lacking(Study& study) {
     }
     if (study.imu_file == nullptr && study.gnss_file == nullptr && raw) return;
     if (study.imu_file == nullptr && study.gnss_file == nullptr) {
-        const auto packed = std::ranges::find_if(study.files, [](const LoadedFile& f) {
-            return std::ranges::any_of(f.report.problems, [](const Problem& p) { return p.text.starts_with("is packed with"); });
-        });
+        const auto packed = std::ranges::find_if(study.files, [](const LoadedFile& f) { return f.report.kind == "archive"; });
         if (packed != study.files.end()) {
             study.problem(Level::Error, "no IMU and no GNSS data were recognised", fmt::format("unpack {}", packed->report.path));
             return;
@@ -344,9 +342,14 @@ void load_files(const fs::path& path, Study& study) {
         if (kind == io::TableKind::Gnss) as.fix_codes = given.fix_codes;
         study.files.push_back(detail::load_file(file->path, file->name, as));
         add_parts(as);
-        if (kind == io::TableKind::Imu && given.find_gnss && named(given, io::TableKind::Gnss) == nullptr)
-            if (std::optional<LoadedFile> fixes = detail::fixes_beside(study.files.back()))
+        if (kind != io::TableKind::Imu) continue;
+        const std::size_t imu = study.files.size() - 1;
+        if (given.find_gnss && named(given, io::TableKind::Gnss) == nullptr)
+            if (std::optional<LoadedFile> fixes = detail::fixes_beside(study.files[imu]))
                 study.files.push_back(as_given(std::move(*fixes), given));
+        if (given.find_aids && named(given, io::TableKind::Mag) == nullptr)
+            if (std::optional<LoadedFile> mag = detail::magnetometer_beside(study.files[imu]))
+                study.files.push_back(as_given(std::move(*mag), given));
     }
     const auto load = [&](const fs::path& file) {
         // in addition to named files, only tables can take a role, and the IMU's in the log of a receiver
@@ -360,7 +363,7 @@ void load_files(const fs::path& path, Study& study) {
             own.report.kind = "solution";
             own.report.start_s = own.report.stop_s = not_given;
             own.problem(Level::Info, "a solution that Schuler wrote, which is neither a log nor a reference",
-                        fmt::format("to compare with it: [reference] file = \"{}\"", name));
+                        fmt::format("to compare with it: [reference] file = {}", toml_text(name)));
             return;
         }
         load_one(file, name, study);

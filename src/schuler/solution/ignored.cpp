@@ -241,7 +241,7 @@ std::vector<Ignored> ignored_by_attitude(const settings::Config& config, const s
     };
     std::vector<Ignored> ignored;
     for (const std::string& key : given)
-        if (!is_used(key) && differs(key)) ignored.push_back({key, "no part of an attitude filter"});
+        if (!is_used(key) && differs(key)) ignored.push_back({key, "not used by attitude filters"});
     return ignored;
 }
 

@@ -1,6 +1,7 @@
 #include "schuler/solution/stated_check.h"
 
 #include "schuler/core/units.h"
+#include "schuler/fusion/heading_search.h"
 #include "schuler/fusion/legs.h"
 #include "schuler/fusion/run_filter.h"
 #include "schuler/math/rotation.h"
@@ -119,9 +120,8 @@ std::optional<LeverArmDoubt> doubt_of_lever_arm(const LoadedDataset& data, const
     doubt.given = data.given.contains("gnss.lever_arm_m");
     if (doubt.settings.estimate_lever_arm || (!doubt.given && !doubt.given_b.isZero(0.0))) return std::nullopt;
     doubt.settings.estimate_lever_arm = true;
-    constexpr double mast = 10.0;  // m
     double& prior = doubt.settings.gnss.lever_arm_std;
-    if (!doubt.given && doubt.settings.vehicle == fusion::VehicleKind::Ship) prior = mast;
+    if (!doubt.given) prior = fusion::unknown_lever_arm_std(doubt.settings);
     // without tilt the down component is absorbed by the height of the unit; centimetres are within the receiver's errors
     constexpr double least = 0.1, sure = 0.3;  // m
     const auto beyond = [&](double sigmas, double metres) {

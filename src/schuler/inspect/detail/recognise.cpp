@@ -134,7 +134,7 @@ void tell_other_instruments(LoadedFile& file, const io::TableLayout& layout) {
                      fmt::format("to use them: [{}] file = {}", io::name_of(kind), toml_text(file.report.path)));
     };
     if (file.table != io::TableKind::Imu && file.table != io::TableKind::Gnss) return;
-    if (file.table != io::TableKind::Imu)  // there they are used: magnetometer_beside
+    if (file.table != io::TableKind::Imu)  // there they are used: beside_imu.h
         tell(io::TableKind::Mag, {"mag_x_ut", "mag_y_ut", "mag_z_ut"}, "a magnetometer");
     tell(io::TableKind::Baro, {"pressure_pa"}, "a barometer");
     std::string speeds, headings;
@@ -250,33 +250,6 @@ void judge_time_unit(LoadedFile& file, const io::TableLayout& layout) {
                                                                   : "ns"));
 }
 
-std::optional<LoadedFile> fixes_beside(LoadedFile& imu) {
-    if (imu.table != io::TableKind::Imu || imu.plan.unused.size() < 2 || !io::stream_path(imu.path).stream.empty())
-        return std::nullopt;
-    try {
-        const io::ColumnPlan plan = io::match_columns(io::inspect_table(io::TextInput(imu.path)), io::TableKind::Gnss);
-        const io::ColumnMatch *lat = plan.find("lat_deg"), *lon = plan.find("lon_deg");
-        if (lat == nullptr || lon == nullptr || plan.find("time_s") == nullptr || io::is_estimate(lat->file_name))
-            return std::nullopt;
-    } catch (const Error&) {
-        return std::nullopt;  // as the IMU's own table it was read
-    }
-    LoadedFile fixes = load_file(imu.path, imu.report.path, {io::TableKind::Gnss, {}, {}, 0.0});
-    if (!fixes.table) return std::nullopt;
-    constexpr double fastest = 25.0;  // Hz, of receivers
-    if (fixes.report.rate_hz > fastest) {
-        imu.problem(
-            Level::Warning,
-            fmt::format("has positions at {:.3g} Hz, as a navigation system computes them: they are not taken for fixes",
-                        fixes.report.rate_hz),
-            fmt::format("add the log of the receiver; if they are its own, [gnss] file = {}", toml_text(imu.report.path)));
-        return std::nullopt;
-    }
-    fixes.beside_imu = true;
-    fixes.as.kind.reset();  // found, not named
-    return fixes;
-}
-
 bool is_table_of_another(const std::filesystem::path& path, io::TableKind named) {
     if (named != io::TableKind::Mag && named != io::TableKind::Baro) return false;
     try {
@@ -297,6 +270,7 @@ void recognise_and_read(LoadedFile& file) {
         return;
     }
     if (const std::string_view method = packed_with(head.bytes); !method.empty()) {
+        file.report.kind = "archive";
         file.problem(Level::Warning, fmt::format("is packed with {}, and not read", method),
                      head.extension == ".xlsx" || head.extension == ".ods"
                          ? "save the sheet as CSV"

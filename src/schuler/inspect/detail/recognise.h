@@ -15,10 +15,6 @@ void recognise_and_read(LoadedFile& file);
 /// Reads the rows of a table with a known plan into the file; problems of rows are reported, not thrown.
 void read_table(LoadedFile& file, const io::TableLayout& layout);
 
-/// The fixes in the table of an IMU, as a log of their own; empty if it has none. Positions that change with every sample are the
-/// solution of a navigation system and no fixes: that is told.
-[[nodiscard]] std::optional<LoadedFile> fixes_beside(LoadedFile& imu);
-
 /// True for the table of an IMU or of fixes that is named for an aid whose columns it has too: it may still take its own role.
 [[nodiscard]] bool is_table_of_another(const std::filesystem::path& path, io::TableKind named);
 

@@ -125,7 +125,7 @@ void judge_mag(LoadedFile& file, std::vector<UnitChange>& changes) {
     if (named && norm > least && norm < most) return;  // a magnet nearby, perhaps
     const double written = norm / (named ? name_factor(file, "mag_x_ut") : 1.0);
     const bool normalised = std::abs(written - 1.0) < 0.05;
-    Candidate best = normalised ? Candidate{"its own mean", typical / written} : nearest(candidates, written, typical);
+    Candidate best = normalised ? Candidate{"normalised", typical / written} : nearest(candidates, written, typical);
     const double size = written * best.factor;
     if (named && !(size > earth_least && size < earth_most)) return;
     const double factor = size / norm;
@@ -134,7 +134,7 @@ void judge_mag(LoadedFile& file, std::vector<UnitChange>& changes) {
     const std::string why = fmt::format("the median norm is {:.4g}, the Earth's field 20 to 70 uT", written);
     if (named)
         file.problem(Level::Warning,
-                     fmt::format("the magnetometer columns state a unit that cannot be: {}; {} is used", why, best.unit),
+                     fmt::format("the magnetometer columns state a unit that cannot be: {}; taken as {}", why, best.unit),
                      fmt::format("[mag] scale = {{ mag_ut = {:.10g} }}", best.factor));
     changes.push_back({"mag_ut", best.factor, best.unit, size > earth_least && size < earth_most ? 0.9 : 0.5, why, named});
 }

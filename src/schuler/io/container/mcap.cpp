@@ -5,6 +5,7 @@
 #include "schuler/io/bytes.h"
 #include "schuler/io/container/compression.h"
 #include "schuler/io/container/ros_messages.h"
+#include "schuler/io/detail/dated.h"
 #include "schuler/io/detail/little_endian.h"
 #include "schuler/io/formats.h"
 #include "schuler/io/place.h"
@@ -264,8 +265,7 @@ void write_mcap(const std::filesystem::path& path, std::span<const SolutionRow> 
     std::uint32_t number = 0;
     for (const SolutionRow& r : rows) {
         // dated times are converted to UTC from 1970, as in ROS
-        constexpr std::int64_t dated = 100'000'000'000'000'000;
-        const std::int64_t ns = r.time.ns < dated ? r.time.ns : unix_from_gps(r.time).ns;
+        const std::int64_t ns = detail::ns_since_1970(r.time);
         if (ns < 0)
             throw input_error("a row has a time before zero, which MCAP cannot hold", {}, "give an output with another clock");
         Cdr fix;

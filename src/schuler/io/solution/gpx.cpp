@@ -3,6 +3,7 @@
 #include "schuler/core/units.h"
 #include "schuler/io/atomic_file.h"
 #include "schuler/io/bytes.h"
+#include "schuler/io/detail/dated.h"
 #include "schuler/io/formats.h"
 #include "schuler/io/place.h"
 #include "schuler/io/text/detail/calendar_text.h"
@@ -19,7 +20,7 @@
 namespace schuler::io {
 namespace {
 
-constexpr std::int64_t one_second = 1'000'000'000, year_1973 = 100'000'000 * one_second;
+constexpr std::int64_t one_second = 1'000'000'000;
 
 /// The value of an attribute or the text of an element inside a piece of XML; empty if there is none.
 std::string_view attribute(std::string_view tag, std::string_view name) {
@@ -120,7 +121,7 @@ void write_gpx(const std::filesystem::path& path, std::span<const SolutionRow> r
         fmt::format_to(std::back_inserter(out), "<trkpt lat=\"{:.10f}\" lon=\"{:.10f}\">", r.position.lat / units::deg,
                        r.position.lon / units::deg);
         if (std::isfinite(r.position.h)) fmt::format_to(std::back_inserter(out), "<ele>{:.4f}</ele>", r.position.h);
-        if (r.time.ns > year_1973) out += "<time>" + utc_text(r.time) + "</time>";
+        if (detail::is_dated(r.time)) out += "<time>" + utc_text(r.time) + "</time>";
         out += "</trkpt>\n";
     }
     write_file(path, out + "</trkseg></trk>\n</gpx>\n");
@@ -141,7 +142,7 @@ void write_geojson(const std::filesystem::path& path, std::span<const SolutionRo
                                 r.position.h);
         else line += fmt::format("{}[{:.10f},{:.10f}]", comma, r.position.lon / units::deg, r.position.lat / units::deg);
         times += times.empty() ? "" : ",";
-        times += r.time.ns > year_1973 ? "\"" + utc_text(r.time) + "\"" : fmt::format("{:.9f}", r.time.seconds());
+        times += detail::is_dated(r.time) ? "\"" + utc_text(r.time) + "\"" : fmt::format("{:.9f}", r.time.seconds());
     }
     write_file(
         path,

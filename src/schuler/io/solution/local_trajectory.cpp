@@ -5,6 +5,7 @@
 #include "schuler/earth/ellipsoid.h"
 #include "schuler/io/atomic_file.h"
 #include "schuler/io/bytes.h"
+#include "schuler/io/detail/dated.h"
 #include "schuler/io/formats.h"
 #include "schuler/io/place.h"
 #include "schuler/io/text/fixed_point.h"
@@ -155,12 +156,6 @@ std::string local_rows(std::span<const SolutionRow> rows, Put put) {
     return out;
 }
 
-/// Dated times count from 1970 UTC in these formats.
-std::int64_t written_ns(Time t) {
-    constexpr std::int64_t dated = 100'000'000'000'000'000;
-    return t.ns < dated ? t.ns : unix_from_gps(t).ns;
-}
-
 void refuse_empty(std::span<const SolutionRow> rows) {
     if (rows.empty()) throw input_error("there is no row to write", {}, "choose a trajectory with positions");
 }
@@ -170,7 +165,7 @@ void write_tum(const std::filesystem::path& path, std::span<const SolutionRow> r
     char cell[widest_number];
     write_file(path, local_rows(rows, [&](std::string& out, const SolutionRow& r, const Eigen::Vector3d& p,
                                           const Eigen::Quaterniond& q, const Eigen::Vector3d&) {
-                   out.append(cell, put_seconds(cell, written_ns(r.time)));
+                   out.append(cell, put_seconds(cell, detail::ns_since_1970(r.time)));
                    fmt::format_to(std::back_inserter(out), " {:.6f} {:.6f} {:.6f} {:.9f} {:.9f} {:.9f} {:.9f}\n", p.x(), p.y(),
                                   p.z(), q.x(), q.y(), q.z(), q.w());
                }));
@@ -184,7 +179,7 @@ void write_euroc(const std::filesystem::path& path, std::span<const SolutionRow>
     text += local_rows(rows, [](std::string& out, const SolutionRow& r, const Eigen::Vector3d& p, const Eigen::Quaterniond& q,
                                 const Eigen::Vector3d& v) {
         fmt::format_to(std::back_inserter(out), "{},{:.6f},{:.6f},{:.6f},{:.9f},{:.9f},{:.9f},{:.9f},{:.6f},{:.6f},{:.6f}\n",
-                       written_ns(r.time), p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z(), v.x(), v.y(), v.z());
+                       detail::ns_since_1970(r.time), p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z(), v.x(), v.y(), v.z());
     });
     write_file(path, text);
 }

@@ -4,6 +4,7 @@
 #include "schuler/core/error.h"
 #include "schuler/core/units.h"
 #include "schuler/io/atomic_file.h"
+#include "schuler/io/detail/dated.h"
 
 #include <fmt/format.h>
 
@@ -12,7 +13,7 @@
 namespace schuler::io {
 namespace {
 
-constexpr std::int64_t second = 1'000'000'000, week = 604'800 * second, dated = 100'000'000 * second;
+constexpr std::int64_t second = 1'000'000'000, week = 604'800 * second;
 
 double finite_or_zero(double x) { return std::isfinite(x) ? x : 0.0; }  // a zero sigma is "not given" in .pos
 
@@ -63,7 +64,7 @@ void write_nmea(const std::filesystem::path& path, std::span<const SolutionRow> 
     std::string out;
     for (const SolutionRow& r : rows) {
         if (!std::isfinite(r.position.lat) || !std::isfinite(r.position.lon)) continue;
-        const bool has_date = r.time.ns > dated;
+        const bool has_date = detail::is_dated(r.time);
         // milliseconds, as written by receivers
         const std::int64_t ms = (r.time.ns + (r.time.ns < 0 ? -500'000 : 500'000)) / 1'000'000;
         const Time rounded{ms * 1'000'000};
