@@ -1,5 +1,5 @@
 // The trials of the BROAD benchmark spoilt on purpose: magnets, fields that change, axes in all orders and signs, calibration of
-// magnetometers that are wrong, gaps in the log, biases of the gyro. Directions at random from a seed.
+// magnetometers that are wrong, gaps in the log, biases of the gyro, clocks that differ. Directions at random from a seed.
 //
 //     bench_ahrs_spoilt [FOLDER] [SEED]
 #include "ahrs_coverage.h"
@@ -125,11 +125,12 @@ void calibration_and_magnets(const std::vector<BroadTrial>& trials, std::uint64_
     }
 }
 
-using SpoilImu = std::function<void(std::vector<ImuSample>&, math::Random&)>;
+using SpoilLog = std::function<void(Recording&, math::Random&)>;
 
 /// Five gaps of a length (s), at random from 15 s on.
-SpoilImu gaps(double length) {
-    return [=](std::vector<ImuSample>& imu, math::Random& r) {
+SpoilLog gaps(double length) {
+    return [=](Recording& log, math::Random& r) {
+        std::vector<ImuSample>& imu = log.imu;
         const double from = imu.front().time.seconds() + 15.0, span = imu.back().time.seconds() - 10.0 - from;
         std::array<double, 5> at{};
         for (double& a : at) a = from + span * r.uniform();
@@ -141,23 +142,32 @@ SpoilImu gaps(double length) {
 }
 
 /// A constant rate (rad/s) of random direction.
-SpoilImu biased(double rate) {
-    return [=](std::vector<ImuSample>& imu, math::Random& r) {
+SpoilLog biased(double rate) {
+    return [=](Recording& log, math::Random& r) {
         const Vector3d bias = rate * r.normal3().normalized();
-        for (ImuSample& s : imu) s.gyro += bias;
+        for (ImuSample& s : log.imu) s.gyro += bias;
     };
 }
 
-void gaps_and_biases(const std::vector<BroadTrial>& trials, std::uint64_t seed) {
+/// Times of the magnetometer that are too late (s).
+SpoilLog late(double delay) {
+    return [=](Recording& log, math::Random&) {
+        for (MagSample& s : log.mag) s.time = s.time + Duration::from_seconds(delay);
+    };
+}
+
+void gaps_biases_and_clocks(const std::vector<BroadTrial>& trials, std::uint64_t seed) {
     fmt::print(
-        "\ngaps in the IMU log and biases of the gyro: total error, deg RMS, mean (largest); headings beyond three sigma in movement, %, mean "
+        "\ngaps in the IMU log, biases of the gyro, times of the magnetometer: total error, deg RMS, mean (largest); headings beyond three sigma in movement, %, mean "
         "(largest)\n{:<22}{:>48}{:>48}\n{:<22}{:>16}{:>16}{:>16}{:>16}{:>16}{:>16}\n",
         "", "online", "offline", "", "removed", "raw", "beyond", "removed", "raw", "beyond");
-    std::vector<std::pair<std::string, SpoilImu>> cases;
+    std::vector<std::pair<std::string, SpoilLog>> cases;
     for (const double length : {0.05, 0.1, 0.2, 0.3, 0.49, 0.6, 1.0})
         cases.emplace_back(fmt::format("5 gaps of {} s", length), gaps(length));
     for (const double rate : {2.5, 3.5, 5.0, 10.0, 20.0})
         cases.emplace_back(fmt::format("bias of {} deg/s", rate), biased(rate * units::deg_per_s));
+    for (const double delay : {-0.4, -0.1, 0.02, 0.05, 0.1, 0.2, 0.4})
+        cases.emplace_back(fmt::format("magnetometer {} s late", delay), late(delay));
     for (const auto& [name, spoil] : cases) {
         fmt::print("{:<22}", name);
         for (const bool offline : {false, true}) {
@@ -165,7 +175,7 @@ void gaps_and_biases(const std::vector<BroadTrial>& trials, std::uint64_t seed) 
             for (const BroadTrial& t : trials) {
                 solution::LoadedDataset data = t.data;
                 math::Random random(seed, t.name.substr(0, 2));
-                spoil(data.recording.imu, random);
+                spoil(data.recording, random);
                 WarningLog unheard;
                 app::AhrsRequest request;
                 request.offline = offline;
@@ -223,7 +233,7 @@ int main(int argc, char** argv) {
     }
     const std::uint64_t seed = argc > 2 ? static_cast<std::uint64_t>(std::atoll(argv[2])) : 1;
     calibration_and_magnets(trials, seed);
-    gaps_and_biases(trials, seed);
+    gaps_biases_and_clocks(trials, seed);
     axes(trials);
     return 0;
 }

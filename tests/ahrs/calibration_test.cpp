@@ -4,13 +4,17 @@
 #include "support/perturbation.h"
 
 #include "schuler/ahrs/calibration.h"
+#include "schuler/ahrs/constant_magnet.h"
 #include "schuler/ahrs/magnetometer_axes.h"
+#include "schuler/ahrs/magnetometer_clock.h"
 
 #include <gtest/gtest.h>
 #include <Eigen/LU>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <numbers>
 #include <utility>
 
 namespace schuler::ahrs {
@@ -227,6 +231,51 @@ TEST(AhrsAxes, NothingIsTurnedWithoutEvidence) {
     EXPECT_FALSE(recognise_axes(yaw.imu, yaw.mag).swapped);
     EXPECT_FALSE(recognise_axes({}, {}).swapped);
     EXPECT_EQ(axes_text(C), "x = y, y = x, z = -z");
+}
+
+TEST(AhrsClock, ALateOrEarlyMagnetometerIsFoundAndNothingElse) {
+    const Log l = turned(some_distortion(0.03), Vector3d(15e-6, -8e-6, 6e-6), 5, 60.0);
+    const Matrix3d C = (Matrix3d() << 0, 1, 0, 1, 0, 0, 0, 0, -1).finished();
+    for (const double delay : {-0.45, -0.1, 0.05, 0.2, 0.37}) {
+        Log late = l;
+        for (MagSample& s : late.mag) s.time = s.time + Duration::from_seconds(delay);
+        EXPECT_NEAR(find_delay(late.imu, late.mag).delay, delay, 0.01);
+        // axes that are not known yet do not hide it
+        const Log turned_round = mounted(late, C);
+        EXPECT_NEAR(find_delay(turned_round.imu, turned_round.mag).delay, delay, 0.01);
+    }
+    EXPECT_EQ(find_delay(l.imu, l.mag).delay, 0.0);
+    const Log slow = turned(Matrix3d::Identity(), Vector3d::Zero(), 6, 60.0, 1e-3);
+    EXPECT_EQ(find_delay(slow.imu, slow.mag).delay, 0.0);
+    EXPECT_EQ(find_delay({}, {}).delay, 0.0);
+}
+
+TEST(AhrsClock, ASteadySwingDoesNotTellOnePeriodFromTheNext) {
+    Log swing = turned(Matrix3d::Identity(), Vector3d::Zero(), 6, 60.0);
+    constexpr double rate = 2.0 * std::numbers::pi / 0.4;
+    for (std::size_t i = 0; i < swing.imu.size(); ++i) {
+        const double t = swing.imu[i].time.seconds();
+        swing.imu[i].gyro = Vector3d(0.0, 0.0, 0.4 * rate * std::cos(rate * t));
+        const double seen = 0.4 * std::sin(rate * (t - 0.2));
+        swing.mag[i].field_b = Vector3d(19e-6 * std::cos(seen), -19e-6 * std::sin(seen), 46e-6);
+    }
+    EXPECT_EQ(find_delay(swing.imu, swing.mag).delay, 0.0) << "0.2 s late or 0.2 s early";
+}
+
+TEST(AhrsMagnet, OneThatStaysIsFoundAndOneThatComesAndGoesIsNot) {
+    const Vector3d iron(60e-6, -30e-6, 40e-6);
+    const Log l = turned(some_distortion(0.03), iron, 5, 120.0);
+    const auto found = find_constant_magnet(l.imu, l.mag);
+    ASSERT_TRUE(found.has_value());
+    EXPECT_LT((found->field_b - iron).norm(), std::max(2e-6, 3.0 * found->std));
+    EXPECT_LT(found->std, 4e-6);
+    for (const double size : {20e-6, 60e-6}) {
+        Log third = turned(some_distortion(0.03), Vector3d::Zero(), 5, 120.0);
+        EXPECT_FALSE(find_constant_magnet(third.imu, third.mag).has_value());
+        for (std::size_t i = third.mag.size() / 3; i < third.mag.size() * 2 / 3; ++i) third.mag[i].field_b.y() += size;
+        EXPECT_FALSE(find_constant_magnet(third.imu, third.mag).has_value()) << size;
+    }
+    EXPECT_FALSE(find_constant_magnet({}, {}).has_value());
 }
 
 TEST(AhrsAxes, SouthOfTheEquatorTheFieldPointsUp) {

@@ -89,6 +89,8 @@ report::Outcome ahrs_dataset(const AhrsRequest& request) {
     b.field_from_model = input.field_from_model;
     b.declination = input.settings.mekf.heading.declination;
     b.axes = input.axes;
+    b.magnet_b = input.magnet_b;
+    b.mag_delay = input.mag_delay;
     b.calibration = input.calibration;
     b.imu_epochs = input.imu.size();
 

@@ -34,8 +34,10 @@ struct AhrsInput {
     std::vector<ahrs::SpeedSample> speed;
     ahrs::RunSettings settings;
     bool field_from_model = false;
-    ahrs::MagnetometerAxes axes;           ///< already applied to `mag`
-    std::vector<std::string> calibration;  ///< calibrations applied or rejected, with the reason
+    ahrs::MagnetometerAxes axes;                         ///< already applied to `mag`
+    Eigen::Vector3d magnet_b = Eigen::Vector3d::Zero();  ///< T, constant field of the sensor, already taken off `mag`
+    double mag_delay = 0.0;                              ///< s, found and already taken off the times of `mag`
+    std::vector<std::string> calibration;                ///< calibrations applied or rejected, with the reason
 };
 
 /// @throws Error(Input) for incompatible options.

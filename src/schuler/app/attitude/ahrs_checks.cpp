@@ -43,12 +43,15 @@ void check_magnetometer(const AhrsInput& input, const analysis::TurnAgreement& f
                                                   "wrong unit? write it into the column's name, as in mag_x_gauss",
                                                   size));
     }
-    constexpr double least_agreement = 0.6;
-    if (field.turned > enough_turned && field.correlation < least_agreement) {
-        warnings.add("ahrs.mag.axes",
-                     fmt::format("the magnetometer does not turn with the gyro (correlation {:.2f}, 1 expected): are its axes "
-                                 "those of the IMU? heading cannot be trusted; --six-axis leaves it out",
-                                 field.correlation));
+    // a magnet on the sensor hides the rotation of the Earth's field from the correlation, but not once it is taken off
+    constexpr double least_agreement = 0.6, enough_explained = 0.5;
+    const bool explained = input.axes.explained > enough_explained;
+    if (!explained && field.turned > enough_turned && field.correlation < least_agreement) {
+        warnings.add(
+            "ahrs.mag.axes",
+            fmt::format("the magnetometer does not turn with the gyro (correlation {:.2f}, 1 expected): are its axes "
+                        "those of the IMU, its times on the same clock? heading cannot be trusted; --six-axis leaves it out",
+                        field.correlation));
     }
     constexpr double longest_without = 10.0;
     const double without =

@@ -1,4 +1,6 @@
 #include "schuler/ahrs/calibration.h"
+#include "schuler/ahrs/constant_magnet.h"
+#include "schuler/ahrs/magnetometer_clock.h"
 #include "schuler/app/attitude/ahrs.h"
 #include "schuler/core/units.h"
 #include "schuler/dataset/data_folder.h"
@@ -8,6 +10,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <string>
 
 namespace schuler::app {
 namespace {
@@ -114,6 +118,40 @@ void field_from_log(AhrsInput& out) {
     const double down = -field.dot(force.normalized());
     out.settings.vector.vertical_field = down;
     out.settings.vector.horizontal_field = std::max(1e-6, (field + down * force.normalized()).norm());
+}
+
+/// Corrects the times of a magnetometer that is late or early; a delay that the user gave is only checked.
+void synchronise(AhrsInput& out, const std::set<std::string>& given, WarningLog& warnings) {
+    if (out.mag.empty()) return;
+    const ahrs::MagnetometerClock clock = ahrs::find_delay(out.imu, out.mag);
+    if (clock.delay == 0.0) return;
+    const bool is_given = given.contains("mag.time_offset_s");
+    warnings.add(
+        "ahrs.mag.delay",
+        fmt::format("the magnetometer's times are {:.2f} s too {} for the IMU's (the gyro explains {:.0f} % of its changes, "
+                    "and {:.0f} % with that corrected): {}",
+                    std::abs(clock.delay), clock.delay > 0.0 ? "late" : "early", 100.0 * clock.as_given, 100.0 * clock.explained,
+                    is_given ? fmt::format("this contradicts the given mag.time_offset_s, which is used; add {:.2f} s to it",
+                                           -clock.delay)
+                             : fmt::format("corrected; [mag] time_offset_s = {:.2f} states it", -clock.delay)));
+    if (is_given) return;
+    for (MagSample& s : out.mag) s.time = s.time - Duration::from_seconds(clock.delay);
+    std::erase_if(out.mag, [&](const MagSample& s) { return s.time < out.imu.front().time; });
+    out.mag_delay = clock.delay;
+}
+
+/// A magnet that is on the sensor throughout the log adds a constant to all readings. The filter would find it after some turning only.
+void take_off_magnet(AhrsInput& out, WarningLog& warnings) {
+    if (out.mag.empty()) return;
+    const auto magnet = ahrs::find_constant_magnet(out.imu, out.mag);
+    if (!magnet) return;
+    for (MagSample& s : out.mag) s.field_b -= magnet->field_b;
+    out.magnet_b = magnet->field_b;
+    double& std = out.settings.mekf.heading.hard_iron_std;
+    std = std::hypot(std, magnet->std);
+    warnings.add("ahrs.mag.magnet",
+                 fmt::format("a constant field of {:.0f} uT turns with the sensor: a magnet or iron on it, which was taken off",
+                             magnet->field_b.norm() / units::microtesla));
 }
 
 /// Rotates the data of a magnetometer whose axes differ from the IMU's.
@@ -223,7 +261,9 @@ AhrsInput ahrs_input(const solution::LoadedDataset& data, const AhrsRequest& req
     guard.gap_factor = f.imu.gap_factor;
     field_from_model(data, out, warnings);
     if (std::isfinite(f.mag.declination)) out.settings.mekf.heading.declination = f.mag.declination;
+    synchronise(out, data.given, warnings);
     straighten(out, warnings);
+    take_off_magnet(out, warnings);
     check_ahrs_input(out, warnings);
     if (!out.field_from_model) field_from_log(out);
     if (request.calibrate) calibrate(out, warnings);

@@ -113,10 +113,10 @@ std::string ahrs_summary_json(const AhrsBundle& b) {
     out["outages"] = report::Json::array();
     const ahrs::FieldFindings& f = r.field;
     out["findings"] = {{"gyro_bias_deg_s", vector_of(r.rows.back().gyro_bias, units::deg_per_s)},
-                       {"hard_iron_ut", vector_of(f.hard_iron_b, units::microtesla)},
+                       {"hard_iron_ut", vector_of(b.magnet_b + f.hard_iron_b, units::microtesla)},
                        {"horizontal_field_ut", f.horizontal / units::microtesla},
                        {"vertical_field_ut", f.vertical / units::microtesla},
-                       {"mag_delay_s", f.delay},
+                       {"mag_delay_s", b.mag_delay + f.delay},
                        {"mag_axes", b.axes.swapped ? report::Json(ahrs::axes_text(b.axes.C_bs)) : report::Json(nullptr)},
                        {"declination_deg", b.field_from_model ? in_degrees(b.declination) : report::Json(nullptr)}};
     out["samples"] = {{"gyro", count_of(r.counters.gyro)},

@@ -25,7 +25,9 @@ struct AhrsBundle {
     bool offline = false, six_axis = false, field_from_model = false;
     double declination = 0.0;  ///< rad, of the model
     ahrs::MagnetometerAxes axes;
-    std::vector<std::string> calibration;  ///< calibrations applied or rejected, with the reason
+    Eigen::Vector3d magnet_b = Eigen::Vector3d::Zero();  ///< T, taken off the readings before
+    double mag_delay = 0.0;                              ///< s, of the magnetometer, taken off its times before
+    std::vector<std::string> calibration;                ///< calibrations applied or rejected, with the reason
     std::vector<solution::Ignored> ignored;
     std::size_t imu_epochs = 0;
     solution::LoadedDataset data;
