@@ -128,7 +128,7 @@ void synchronise(AhrsInput& out, const std::set<std::string>& given, WarningLog&
     const bool is_given = given.contains("mag.time_offset_s");
     warnings.add(
         "ahrs.mag.delay",
-        fmt::format("the magnetometer's times are {:.2f} s too {} for the IMU's (the gyro explains {:.0f} % of its changes, "
+        fmt::format("the magnetometer's times are {:.2f} s {} against the IMU's (the gyro explains {:.0f} % of its changes, "
                     "and {:.0f} % with that corrected): {}",
                     std::abs(clock.delay), clock.delay > 0.0 ? "late" : "early", 100.0 * clock.as_given, 100.0 * clock.explained,
                     is_given ? fmt::format("this contradicts the given mag.time_offset_s, which is used; add {:.2f} s to it",
