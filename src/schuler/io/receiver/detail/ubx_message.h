@@ -40,12 +40,13 @@ inline Scan message_at(std::string_view bytes, UbxMessage& m) {
     if (bytes.size() < 8) return Scan::Cut;
     const std::size_t length = number_at<std::uint16_t>(bytes, 4);
     if (bytes.size() < length + 8) return Scan::Cut;
-    unsigned a = 0, b = 0;
-    for (std::size_t i = 2; i < length + 6; ++i) {
-        a = (a + static_cast<unsigned char>(bytes[i])) & 0xFFU;
-        b = (b + a) & 0xFFU;
+    std::uint32_t a = 0, b = 0;  // sums modulo 256, which divides the 2^32 of their overflow
+    for (const char c : bytes.substr(2, length + 4)) {
+        a += static_cast<unsigned char>(c);
+        b += a;
     }
-    if (a != static_cast<unsigned char>(bytes[length + 6]) || b != static_cast<unsigned char>(bytes[length + 7]))
+    if ((a & 0xFFU) != static_cast<unsigned char>(bytes[length + 6]) ||
+        (b & 0xFFU) != static_cast<unsigned char>(bytes[length + 7]))
         return Scan::Damaged;
     m.kind = static_cast<unsigned>(static_cast<unsigned char>(bytes[2])) << 8 | static_cast<unsigned char>(bytes[3]);
     m.payload = bytes.substr(6, length);
