@@ -148,5 +148,35 @@ def strangers_told(program, source):
     program.fails("process", "serial", "-o", "x", parts=["serial dates of a spreadsheet", "86400"])
 
 
+def strangers_left_out(program, source):
+    """What was found and cannot be read is left out and told; what was named stops the run. First rows without values cost themselves."""
+    folder = Path(program.folder)
+    simulated(program, folder)
+    header, rows = table_of(folder / "logs/imu.csv")
+    gnss_header, gnss = table_of(folder / "logs/gnss.csv")
+    (folder / "bare").mkdir()
+    late = [[row[0], *["nan"] * 6] if i < 3 else row for i, row in enumerate(rows)]
+    dated = [[f"{200000 + float(row[0]):.4f}", *row[1:], "2244"] for row in late]
+    write_table(folder / "bare/imu.csv", ["gps_sow_s", *header[1:], "gps_week"], dated)
+    write_table(folder / "bare/gnss.csv", gnss_header, [[f"{200000 + float(row[0]):.4f}", *row[1:]] for row in gnss])
+    without = summary_of(program, "bare", "-o", "without")
+    warned(without, "imu.csv", "rows skipped because a value is missing", "line 2", "(3 times)")
+    check(facts_of(without)["time.week"]["value"] == 2244, f"the week beside the seconds: {facts_of(without).get('time.week')}")
+    first = table_of(folder / "without/solution.csv")[1][0]
+    check(float(first[0]) > 0, f"the solution has rows: {first}")
+    pressures = [[gnss_row[0], "" if i % 3 == 1 else str(95000 + i % 7)] for i, gnss_row in enumerate(table_of(folder / "bare/gnss.csv")[1])]
+    write_table(folder / "bare/baro.csv", ["time_s", "pressure_pa"], pressures)
+    found = summary_of(program, "bare", "-o", "found")
+    warned(found, "baro.csv was found and is left out", "baro.csv:3", "pressure_pa", "[baro] file = ")
+    check("baro.file" not in facts_of(found), "a file that is left out is no fact of the run")
+    solutions = [(folder / name / "solution.csv").read_bytes() for name in ("without", "found")]
+    check(solutions[0] == solutions[1], "the run is that without the file")
+    again = summary_of(program, "bare", "-o", "again", "--config", "found/config.toml")
+    check((folder / "again/solution.csv").read_bytes() == solutions[1] and again is not None, "the dumped settings repeat it")
+    (folder / "bare/dataset.toml").write_text('[imu]\nfile = "imu.csv"\n[gnss]\nfile = "gnss.csv"\n[baro]\nfile = "baro.csv"\n')
+    program.fails("process", "bare", "-o", "named", parts=["baro.csv:3", "pressure_pa"])
+
+
 if __name__ == "__main__":
-    main({"strangers_velocity": strangers_velocity, "strangers_tables": strangers_tables, "strangers_told": strangers_told})
+    main({"strangers_velocity": strangers_velocity, "strangers_tables": strangers_tables, "strangers_told": strangers_told,
+          "strangers_left_out": strangers_left_out})

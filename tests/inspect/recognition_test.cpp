@@ -279,6 +279,22 @@ TEST_F(Recognition, WhatIsNoNumberIsShown) {
     EXPECT_NE(shown->hint.find("1521.17"), std::string::npos) << shown->hint;
 }
 
+TEST_F(Recognition, AGyroscopeAloneLacksItsAccelerometer) {
+    const std::string rates = table("time_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s", ",", 0.01, 1.0, 300, {0.1, 0.2, 0.3});
+    const FileReport alone = of("gyro_phone.csv", rates);
+    ASSERT_EQ(alone.problems.size(), 1U);
+    EXPECT_EQ(alone.resembles, "imu");
+    EXPECT_NE(alone.problems[0].text.find("a gyroscope without an accelerometer"), std::string::npos) << alone.problems[0].text;
+    // the table beside it is by its name that of the accelerometer, and has other columns
+    write("acc_phone.csv", table("time_s,voltage_x,voltage_y,voltage_z", ",", 0.01, 1.0, 300, {0.1, 0.2, 0.3}));
+    const InspectReport both = inspect(folder());
+    const auto gyro = std::ranges::find(both.files, "gyro_phone.csv", &FileReport::path);
+    ASSERT_NE(gyro, both.files.end());
+    ASSERT_EQ(gyro->problems.size(), 1U);
+    EXPECT_NE(gyro->problems[0].text.find("acc_phone.csv beside it has no columns of an accelerometer"), std::string::npos)
+        << gyro->problems[0].text;
+}
+
 TEST_F(Recognition, ArchivesAreToldToBeUnpacked) {
     std::string tar(512, '\0');
     tar.replace(0, 7, "imu.csv");

@@ -267,6 +267,67 @@ TEST(Strangers, SerialDatesAreRefusedWithTheirName) {
     EXPECT_EQ(r.refusal->file, "imu.csv");
 }
 
+TEST(Strangers, ALinkIsTheFileItLeadsTo) {
+    const auto folder = fresh_folder("links");
+    write_car(folder, {});
+    std::filesystem::create_symlink("imu.csv", folder / "again.csv");
+    std::filesystem::rename(folder / "gnss.csv", folder.parent_path() / "fixes_elsewhere.csv");
+    std::filesystem::create_symlink("../fixes_elsewhere.csv", folder / "gnss.csv");
+    std::filesystem::create_symlink("nowhere.csv", folder / "broken.csv");
+    const InspectReport r = inspect(folder);
+    EXPECT_TRUE(sets(r, "imu.file = \"imu.csv\""));
+    EXPECT_TRUE(sets(r, "gnss.file = \"gnss.csv\"")) << r.dataset_toml;
+    EXPECT_EQ(std::ranges::count(r.files, "imu.csv", &FileReport::path), 1);
+    EXPECT_EQ(file_named(r, "again.csv"), nullptr);
+    EXPECT_TRUE(has_problem(r, Level::Info, "again.csv is a link to imu.csv"));
+    EXPECT_TRUE(has_problem(r, Level::Warning, "broken.csv is a link to nowhere.csv, which does not exist"));
+    EXPECT_FALSE(has_problem(r, Level::Info, "could be [imu] as well"));
+}
+
+TEST(Strangers, FoldersThatAreNotLookedThroughAreNamed) {
+    const auto folder = fresh_folder("deep");
+    const std::string far = "folders further down are not looked through: ";
+    std::filesystem::create_directories(folder / "a/b/c");
+    write_car(folder / "a/b", {});
+    EXPECT_TRUE(sets(inspect(folder), "imu.file = \"a/b/imu.csv\""));
+    EXPECT_TRUE(has_problem(inspect(folder), Level::Info, far + "a/b/c"));
+    std::filesystem::rename(folder / "a/b/imu.csv", folder / "a/b/c/imu.csv");
+    std::filesystem::remove(folder / "a/b/gnss.csv");
+    EXPECT_TRUE(has_problem(inspect(folder), Level::Warning, far + "a/b/c"));
+    std::filesystem::create_directories(folder / "other/one");
+    std::filesystem::create_directories(folder / "other/two");
+    EXPECT_TRUE(has_problem(inspect(folder), Level::Warning, far + "a/b, other/one, other/two"));
+}
+
+TEST(Strangers, TheWeekBesideTheSecondsOfTheWeekIsTaken) {
+    const auto with_week = [](const std::filesystem::path& file, const std::string& name, const std::string& week) {
+        std::vector<std::string> lines = lines_of(file);
+        for (std::string& line : lines) line = (&line == &lines.front() ? name : week) + "," + line;
+        write_lines(file, lines);
+    };
+    CarLog car;
+    car.imu_start = car.gnss_start = 200'000.0;
+    car.imu_header = "gps_sow_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2";
+    const auto folder = fresh_folder("week");
+    write_car(folder, car);
+    EXPECT_FALSE(sets(inspect(folder), "time.week = 2244")) << "no column gives it";
+    with_week(folder / "imu.csv", "gps_week", "2244");
+    const InspectReport r = inspect(folder);
+    EXPECT_TRUE(sets(r, "time.week = 2244")) << r.dataset_toml;
+    const FileReport* imu = file_named(r, "imu.csv");
+    ASSERT_NE(imu, nullptr);
+    EXPECT_TRUE(std::ranges::any_of(imu->understood, [](const std::string& line) { return line.find("gps_week") == 0; }))
+        << "not among the unused columns";
+    // another week in the other log, and numbers that are no weeks
+    write_car(folder, car);
+    with_week(folder / "imu.csv", "gps_week", "2244");
+    with_week(folder / "gnss.csv", "week", "2245");
+    EXPECT_TRUE(has_problem(inspect(folder), Level::Warning, "imu.csv is of GPS week 2244 and gnss.csv of week 2245"));
+    write_car(folder, car);
+    with_week(folder / "imu.csv", "gps_week", "12");
+    EXPECT_FALSE(sets(inspect(folder), "time.week = 12"));
+}
+
 TEST(Strangers, TooShortIsSaid) {
     const auto folder = fresh_folder("short");
     CarLog car;

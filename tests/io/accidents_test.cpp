@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include <string>
 
@@ -239,6 +240,35 @@ TEST_F(Accidents, ACutOrDamagedMatFileIsTold) {
         test::expect_parts(log.summary().front(), {"damaged.mat", "byte", "copy"});
     }
     test::expect_parts(test::message_of([&] { (void)read(bytes.substr(0, 600)); }), {"damaged.mat", "cut"});
+}
+
+/// The libraries of these formats open files by name.
+TEST_F(Accidents, CompressedContainersAreRead) {
+    std::vector<SolutionRow> rows(50);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        rows[i].time = Time::from_seconds(static_cast<double>(i));
+        rows[i].position = {0.84, 0.2, 500.0};
+        rows[i].v_eb_n = {1.0, 2.0, 3.0};
+        rows[i].rpy = {0.01, 0.02, 0.03};
+    }
+    for (const char* name : {"mat", "hdf5"}) {
+        const auto plain = folder() / fmt::format("run.{}", name), packed = folder() / fmt::format("run.{}.gz", name);
+        format_named(name)->write(plain, rows, "");
+        const std::string bytes = content_of(plain);
+        gzFile gz = gzopen(packed.c_str(), "wb");
+        gzwrite(gz, bytes.data(), static_cast<unsigned>(bytes.size()));
+        gzclose(gz);
+        const Format* format = format_of(packed);
+        ASSERT_NE(format, nullptr) << name;
+        EXPECT_EQ(format->name, name);
+        const StreamLog unpacked = format->read(TextInput(packed), log);
+        EXPECT_EQ(unpacked.streams.at(0).rows(), 50U);
+        EXPECT_EQ(unpacked.streams.at(0).find("vel_d_m_s")->values, std::vector<double>(50, 3.0));
+        EXPECT_TRUE(log.empty());
+        const auto cut = write(fmt::format("cut.{}.gz", name), content_of(packed).substr(0, 300));
+        test::expect_parts(test::message_of([&] { (void)format->read(TextInput(cut), log); }),
+                           {fmt::format("cut.{}.gz", name), "cut"});
+    }
 }
 
 }  // namespace

@@ -174,6 +174,36 @@ TEST_F(AutopilotLogs, DataflashGivesEveryInstrumentWithItsUnits) {
     EXPECT_NEAR(at(*log.find("reference"), "onboard_heading_deg", 0), 90.0, 1e-9);
 }
 
+/// Und is the height above mean sea level less that above the ellipsoid; zero before the receiver gives it.
+TEST_F(AutopilotLogs, TheUndulationOfDataflashGivesEllipsoidalHeights) {
+    const auto flight = [](float undulation) {
+        test::Dataflash log;
+        log.define(2, "GPS", "QBBLLe", "TimeUS,I,Status,Lat,Lng,Alt");
+        log.define(3, "GPA", "QBCf", "TimeUS,I,VDop,Und");
+        log.define(4, "ATT", "Qccc", "TimeUS,Roll,Pitch,Yaw");
+        log.define(5, "POS", "QLLf", "TimeUS,Lat,Lng,Alt");
+        for (std::uint64_t i = 0; i < 50; ++i) {
+            const std::uint64_t t = 1'000'000 + 200'000 * i;
+            log.data(2, t, std::uint8_t{0}, std::uint8_t{6}, std::int32_t{-353'632'610}, std::int32_t{1'491'652'300},
+                     std::int32_t{58'412});
+            log.data(3, t + 100, std::uint8_t{0}, std::uint16_t{120}, i < 5 ? 0.0F : undulation);
+            log.data(4, t, std::int16_t{150}, std::int16_t{-250}, std::int16_t{9000});
+            log.data(5, t, std::int32_t{-353'632'610}, std::int32_t{1'491'652'300}, 584.0F);
+        }
+        return log.bytes();
+    };
+    WarningLog warnings;
+    const StreamLog log = read("flight.bin", flight(-19.5F), warnings);
+    const Stream& gnss = *log.find("gnss");
+    ASSERT_NE(gnss.find("height_ellipsoidal_m"), nullptr);
+    EXPECT_EQ(gnss.find("height_msl_m"), nullptr);
+    for (const std::size_t i : {0U, 4U, 49U}) EXPECT_NEAR(at(gnss, "height_ellipsoidal_m", i), 603.62, 1e-9) << i;
+    EXPECT_NEAR(at(*log.find("reference"), "onboard_height_m", 10), 603.5, 1e-9) << "on the same axis as the fixes";
+    const StreamLog without = read("none.bin", flight(0.0F), warnings);
+    EXPECT_NEAR(at(*without.find("gnss"), "height_msl_m", 10), 584.12, 1e-9) << "the receiver does not know it";
+    EXPECT_NEAR(at(*without.find("reference"), "onboard_height_msl_m", 10), 584.0, 1e-9);
+}
+
 TEST_F(AutopilotLogs, ACutDataflashIsReadUpToThere) {
     const std::string whole = sample_dataflash();
     WarningLog warnings;

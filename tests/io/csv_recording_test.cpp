@@ -127,7 +127,7 @@ TEST_F(Csv, IsolatedBadRowsAreSkippedAndCounted) {
     expect_parts(log.summary().at(0), {"imu.csv", "line 52", "(2 times)"});
 }
 
-TEST_F(Csv, ManyBadRowsOrABadFirstRowAreAnError) {
+TEST_F(Csv, ManyBadRowsAreAnErrorAndThoseAtTheStartAreLeftOut) {
     const auto nan_from = [](int first) {
         return imu_text(100, [first](int i, std::string row) {
             return i >= first ? fmt::format("{:.3f},1,NaN,0.3,0.1,0.2,-9.8", 100.0 + 0.01 * i) : row;
@@ -136,6 +136,19 @@ TEST_F(Csv, ManyBadRowsOrABadFirstRowAreAnError) {
     expect_parts(message_of([&] { (void)imu(nan_from(90)); }),
                  {"imu.csv:92", "column 3", "gyro_y_rad_s", "'NaN' is not a number", "10 of 100", "[imu] columns"});
     expect_parts(message_of([&] { (void)imu(nan_from(0)); }), {"imu.csv:2", "column 3", "gyro_y_rad_s", "delete the row"});
+    const auto nan_until = [](int last) {
+        return imu_text(100, [last](int i, std::string row) {
+            return i < last ? fmt::format("{:.3f},1,NaN,0.3,0.1,0.2,-9.8", 100.0 + 0.01 * i) : row;
+        });
+    };
+    for (const int last : {1, 20}) {
+        log = WarningLog{};
+        const ImuTable t = imu(nan_until(last));
+        EXPECT_EQ(t.samples.size(), static_cast<std::size_t>(100 - last)) << "an instrument that starts late";
+        EXPECT_EQ(log.count("imu.bad_rows"), static_cast<std::size_t>(last));
+        expect_parts(log.summary().at(0), {"imu.csv", "line 2"});
+    }
+    expect_parts(message_of([&] { (void)imu(nan_until(60)); }), {"imu.csv:2", "column 3", "60 of 100 rows"});
 }
 
 TEST_F(Csv, AbsurdValuesSuggestTheUnit) {

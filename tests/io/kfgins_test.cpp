@@ -145,5 +145,20 @@ TEST_F(KfGins, TextFiles) {
                  {"imu.txt:3", "column 6", "dvel_y", "is missing", "1 of 3 rows"});
 }
 
+/// Rows of KF-GINS and OB_GINS end with a blank.
+TEST_F(KfGins, ACutLastNumberIsTold) {
+    const std::string rows =
+        "357971.000    30.4538104823   114.4633241543     34.189    0.009    0.012    0.037 \n"
+        "357972.000    30.4538166367   114.4631898135     34.420    0.009    0.014    0.039 ";
+    const auto read = [](const std::string& text, WarningLog& log) {
+        return read_kfgins_gnss(TextInput::memory(text, "gnss.txt"), log).fixes.size();
+    };
+    WarningLog whole, cut;
+    EXPECT_EQ(read(rows, whole), 2U);
+    EXPECT_TRUE(whole.empty());
+    EXPECT_EQ(read(rows.substr(0, rows.size() - 3), cut), 1U);
+    expect_parts(cut.summary().at(0), {"gnss.txt", "line 2", "no line end", "left out"});
+}
+
 }  // namespace
 }  // namespace schuler::io

@@ -4,6 +4,7 @@
 #include "schuler/io/rinex/rinex_write.h"
 
 #include "io/io_fixture.h"
+#include "io/log_bytes.h"
 
 #include <algorithm>
 #include <array>
@@ -243,6 +244,9 @@ TEST_F(ReceiverLogs, UbxDamageIsSkippedAndPlaced) {
     expect_parts(log.summary().at(0), {"a.ubx", "damaged UBX", "byte 0"});
     EXPECT_EQ(read(good + good).records.repeated, 2U);
     expect_parts(message_of([&] { (void)read("$GPGGA,no ubx here"); }), {"a.ubx", "no usable UBX message"});
+    const std::string sensors = test::ubx(0x10, 0x02, std::string(12, '\0')) + test::ubx(0x28, 0x00, std::string(72, '\0'));
+    expect_parts(message_of([&] { (void)read(sensors + sensors + test::ubx(0x0a, 0x77, "x")); }),
+                 {"a.ubx", "neither raw measurements (RXM-RAWX) nor fixes (NAV-PVT)", "ESF-MEAS (2), HNR-PVT (2), 0A-77 (1)"});
 }
 
 TEST_F(ReceiverLogs, Rtcm3AgainstConvbin) {
@@ -318,7 +322,8 @@ TEST_F(ReceiverLogs, ForeignFormatsAreRefused) {
     EXPECT_TRUE(is_rtcm3(raw / "testglo.rtcm3"));
     EXPECT_TRUE(is_ubx(raw / "ubx_20080526.ubx"));
     // old messages only: said, not guessed
-    expect_parts(message_of([&] { (void)read_ubx(raw / "ubx_20080526.ubx", log); }), {"no usable UBX message", "RXM-RAWX"});
+    expect_parts(message_of([&] { (void)read_ubx(raw / "ubx_20080526.ubx", log); }),
+                 {"neither raw measurements (RXM-RAWX) nor", "RXM-RAW ("});
     const Rtcm3Log legacy = read_rtcm3(raw / "testglo.rtcm3", gps_from_utc({2009, 12, 18, 0, 0, 0.0}), log);
     EXPECT_TRUE(legacy.observations.epochs.empty());
     EXPECT_GT(legacy.navigation.glonass.size(), 3U);

@@ -223,6 +223,42 @@ TEST_F(ReceiverSensors, MeasurementsOfMessagesComeWithTheirSigns) {
     EXPECT_NEAR(at(*read_log.find("imu"), "accel_x_m_s2", 2), -4.0, 1e-12);
 }
 
+std::string hnr_pvt(std::uint32_t tow_ms) {
+    std::string p(72, '\0');
+    const auto set = [&](std::size_t where, auto value) { std::memcpy(p.data() + where, &value, sizeof value); };
+    set(0, tow_ms);
+    set(4, std::uint16_t{2024});
+    p[6] = 5;
+    p[7] = 1;
+    p[8] = 12;
+    p[10] = static_cast<char>(tow_ms / 1000U % 60U);
+    p[16] = 3;
+    set(20, std::int32_t{85'000'000});
+    set(24, std::int32_t{473'000'000});
+    return test::ubx(0x28, 0x00, p);
+}
+
+TEST_F(ReceiverSensors, DamageOfAUbxLogWithoutFixesIsTold) {
+    std::string log;
+    for (std::uint32_t i = 0; i < 10; ++i) log += hnr_pvt(302'400'000U + 1000U * i);
+    const std::size_t one = log.size() / 10;
+    const auto told = [&](const std::string& bytes, std::size_t rows) {
+        WarningLog warnings;
+        EXPECT_EQ(read(write("hnr.ubx", bytes), "ubx", warnings).find("hnr")->rows(), rows);
+        return warnings.summary();
+    };
+    EXPECT_TRUE(told(log, 10).empty());
+    const auto cut = told(log.substr(0, log.size() - 7), 9);
+    ASSERT_EQ(cut.size(), 1U);
+    expect_parts(cut[0], {"hnr.ubx", "cut in its last message", fmt::format("at byte {}", 9 * one)});
+    std::string damaged = log;
+    damaged[3 * one + 30] = static_cast<char>(damaged[3 * one + 30] ^ 1);
+    damaged[5 * one + 5] = '\x70';  // a length beyond the end of the log
+    const auto bad = told(damaged, 8);
+    ASSERT_EQ(bad.size(), 1U);
+    expect_parts(bad[0], {"hnr.ubx", "damaged UBX messages", fmt::format("the first at byte {}", 3 * one), "(2 times)"});
+}
+
 TEST_F(ReceiverSensors, GpxTracksHaveTheirTimes) {
     WarningLog warnings;
     const auto file = write(

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <lz4frame.h>
 #include <sqlite3.h>
+#include <zlib.h>
 #include <zstd.h>
 
 #include <array>
@@ -169,6 +170,13 @@ TEST_F(RobotLogs, DatabaseOfRos2) {
     const StreamLog log = read(file, warnings);
     EXPECT_EQ(log.find("imu")->rows(), 9U);
     expect_parts(warnings.summary().at(0), {"log.db3", "damaged messages"});
+    const std::string bytes = content_of(file);
+    gzFile gz = gzopen((folder() / "log.db3.gz").c_str(), "wb");
+    gzwrite(gz, bytes.data(), static_cast<unsigned>(bytes.size()));
+    gzclose(gz);
+    WarningLog packed;
+    EXPECT_EQ(read(folder() / "log.db3.gz", packed).find("imu")->rows(), 9U);
+    expect_parts(packed.summary().at(0), {"log.db3.gz", "damaged messages"});
 }
 
 TEST_F(RobotLogs, BagOfRos1) {
@@ -396,6 +404,27 @@ TEST_F(RobotLogs, ATrajectoryIsNeverAnImu) {
         const StreamLog log = read(file, warnings);
         EXPECT_TRUE(log.streams.at(0).own_frame);
         EXPECT_EQ(log.streams.at(0).rows(), 100U);
+    }
+}
+
+TEST_F(RobotLogs, ATrajectoryCutInItsLastNumberIsTold) {
+    std::string tum,
+        euroc = "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z [], b []\n";
+    for (int i = 0; i < 20; ++i) {
+        tum += fmt::format("{:.2f} {:.3e} 2.000e+00 3.000e+00 0.000e+00 0.000e+00 0.000e+00 1.000e+00\n", 100.0 + i, 0.1 * i);
+        euroc += fmt::format("{},{:.6f},2.000000,3.000000,1.000000,0.000000,0.000000,0.000000,0.{:06}\n",
+                             1403715524907143168LL + 5'000'000LL * i, 0.1 * i, 39'000 + i);
+    }
+    for (const auto& [name, content, line] : {std::tuple("a.txt", tum, "line 20"), std::tuple("b.csv", euroc, "line 21")}) {
+        WarningLog whole;
+        EXPECT_EQ(read(write(name, content.substr(0, content.size() - 1)), whole).streams.at(0).rows(), 20U);
+        EXPECT_TRUE(whole.empty()) << "only the line end is missing";
+        for (const std::size_t lost : {2U, 3U, 10U}) {
+            WarningLog warnings;
+            EXPECT_EQ(read(write(name, content.substr(0, content.size() - lost)), warnings).streams.at(0).rows(), 19U) << lost;
+            ASSERT_EQ(warnings.summary().size(), 1U) << name << lost;
+            expect_parts(warnings.summary().at(0), {name, line});
+        }
     }
 }
 

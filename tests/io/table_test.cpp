@@ -210,6 +210,21 @@ TEST_F(Table, CutLastLine) {
     EXPECT_EQ(rows(write("whole.csv", head + "3.500,6.000,7.000"), 3).size(), 3U);
     EXPECT_EQ(rows(write("short.csv", head + "3.500,6.000,7.0"), 3).size(), 2U);  // the last number may be cut: left out
     EXPECT_EQ(rows(write("ended.csv", head + "3.500,6.0\n"), 3).size(), 3U);      // ended: a short row, not a cut file
+    // rows that end with a blank, and numbers with an exponent
+    const std::string blanks = "1.500 2.000 0.037 \n2.500 4.000 0.039 \n",
+                      powers = "1,2.5e+00,-4.903325e-02\n2,2.5e+00,1.25e-01\n";
+    EXPECT_EQ(rows(write("blanks.txt", blanks + "3.500 6.000 0.039"), 3).size(), 3U);
+    EXPECT_EQ(rows(write("blanks.txt", blanks + "3.500 6.000 0.0"), 3).size(), 2U);
+    EXPECT_EQ(rows(write("powers.csv", powers + "3,2.5e+00,-4.9e-02"), 3).size(), 3U);
+    for (const char* cut : {"-4.903325e-0", "-4.903325e-", "-4.903325e", "-4.903325"})
+        EXPECT_EQ(rows(write("powers.csv", powers + "3,2.5e+00," + cut), 3).size(), 2U) << cut;
+}
+
+TEST_F(Table, CommentsBetweenTheRowsAreNoRows) {
+    const std::string text =
+        "time,a\n// of the lab\n1,2\n# at the lights\n2,3\n\"# quoted, by a spreadsheet\"\n3,4\n % blank\n4,5\n// end";
+    EXPECT_EQ(inspect_table(TextInput::memory(text, "a.csv")).comments.size(), 4U);
+    EXPECT_EQ(rows(TextInput::memory(text, "a.csv"), 2), (std::vector<std::vector<double>>{{1, 2}, {2, 3}, {3, 4}, {4, 5}}));
 }
 
 TEST_F(Table, ProblemsHavePlaceAndName) {

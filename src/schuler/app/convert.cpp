@@ -54,10 +54,7 @@ std::optional<report::Outcome> convert_streams(const fs::path& in, const fs::pat
     if (format == nullptr || format->read == nullptr) return std::nullopt;
     WarningLog warnings;
     const io::StreamLog log = format->read(io::TextInput(where.file), warnings);
-    if (!where.stream.empty() && log.find(where.stream) == nullptr) {
-        io::LogFiles files;
-        (void)files.open(in, warnings);  // the error lists the existing ones
-    }
+    if (!where.stream.empty()) (void)io::stream_of_log(log, where);
     report::Outcome outcome;
     std::error_code ec;
     if (into_folder) fs::create_directories(out, ec);

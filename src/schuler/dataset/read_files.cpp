@@ -1,6 +1,7 @@
 #include "schuler/dataset/read_files.h"
 
 #include "schuler/core/error.h"
+#include "schuler/core/fact.h"
 #include "schuler/dataset/paths.h"
 #include "schuler/dataset/raw_gnss.h"
 #include "schuler/dataset/time_axis.h"
@@ -151,30 +152,51 @@ void read_gnss(const fs::path& folder, const Description& d, const Reading& read
     out.fix_height = log->height;
 }
 
+/// Reads an aid. A file that nobody named must not stop the run: it is left out, and told.
+template <class Read>
+void read_aid(const char* section, const FileSource& source, const Reading& reading, ReadFiles& out, WarningLog& warnings,
+              const Read& read) {
+    if (source.file.empty()) return;
+    try {
+        read();
+    } catch (const Error& e) {
+        if (e.kind() != ErrorKind::Input || !reading.found.contains(section)) throw;
+        out.left_out.emplace_back(section);
+        warnings.add(std::string(section) + ".left_out",
+                     fmt::format("{} was found and is left out: {}; if it is to be used: [{}] file = {}", source.file, e.what(),
+                                 section, toml_text(source.file)));
+    }
+}
+
 void read_others(const fs::path& folder, const Description& d, const Reading& reading, io::LogFiles& logs, ReadFiles& out,
                  WarningLog& warnings) {
-    if (!d.baro.file.empty()) {
+    const auto aid = [&](const char* section, const FileSource& source, const auto& read) {
+        read_aid(section, source, reading, out, warnings, read);
+    };
+    aid("baro", d.baro, [&] {
         out.recording.baro = joined(folder, d.baro, "baro", logs, warnings, [&](const io::TextInput& input) {
             return io::read_baro_csv(input, csv_options(d.baro, d, reading), warnings).samples;
         });
-    }
-    if (!d.mag.file.empty()) {
+    });
+    aid("mag", d.mag, [&] {
         out.recording.mag = joined(folder, d.mag, "mag", logs, warnings, [&](const io::TextInput& input) {
             return io::read_mag_csv(input, csv_options(d.mag, d, reading), warnings).samples;
         });
         if (reading.C_imu_mag)
             for (MagSample& m : out.recording.mag) m.field_b = *reading.C_imu_mag * m.field_b;
-    }
+    });
     const auto moved = [](auto samples, const FileSource& source) {
         for (auto& sample : samples) sample.time = sample.time + Duration::from_seconds(source.time_offset);
         return samples;
     };
-    if (!d.odometer.file.empty())
+    aid("odometer", d.odometer, [&] {
         out.recording.odometer =
             moved(io::read_odometer_csv(io::TextInput(resolved(folder, d.odometer.file, "odometer.file"))), d.odometer);
-    if (!d.heading.file.empty())
+    });
+    aid("heading", d.heading, [&] {
         out.recording.heading =
             moved(io::read_compass_csv(io::TextInput(resolved(folder, d.heading.file, "heading.file"))), d.heading);
+    });
     if (!reading.gauges.empty())
         out.recording.gauges = io::read_gauges_csv(io::TextInput(resolved(folder, reading.gauges, "gauges.file")));
     if (!reading.log.empty())
@@ -185,10 +207,10 @@ void read_others(const fs::path& folder, const Description& d, const Reading& re
                               "leave out one of them");
         out.recording.heading = io::read_compass_csv(io::TextInput(resolved(folder, reading.compass, "compass.file")));
     }
-    if (!d.reference.file.empty()) {
+    aid("reference", d.reference, [&] {
         out.recording.reference = read_reference(logs.open(resolved(folder, d.reference.file, "reference.file"), warnings),
                                                  csv_options(d.reference, d, reading), warnings);
-    }
+    });
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,7 @@ struct Reading {
     Eigen::Matrix3d C_bs = Eigen::Matrix3d::Identity();  ///< sensor axes of the IMU to body axes, including the mounting
     std::optional<Eigen::Matrix3d> C_imu_mag;            ///< axes of the magnetometer to those of the IMU, if different
     std::string gauges, log, compass;                    ///< files of survey instruments; empty: none
+    std::set<std::string> found;  ///< sections whose file nobody named: one that cannot be read is left out
 };
 
 /// The content of the files and the facts stated in them.
@@ -30,6 +32,7 @@ struct ReadFiles {
     CarrierPhase carrier;             ///< its fixes are those of the recording, if there is a base
     std::optional<ImuKind> imu_kind;  ///< empty without an IMU log
     io::HeightKind fix_height = io::HeightKind::Unstated;
+    std::vector<std::string> left_out;  ///< sections of found aids that cannot be read
 };
 
 /// Relative paths are based on `folder`. Times are those of the files, shifted by their offsets; dated fixes are converted to the

@@ -178,6 +178,12 @@ Recognised recognise(const fs::path& path, Needs needs, const inspect::Given& gi
                                   error->hint);
         }
         refuse_without_imu(fs::is_directory(path, ec) ? path : path.parent_path(), r.report);
+        for (const inspect::FileReport& file : r.report.files) {
+            const auto told = std::ranges::find(file.problems, inspect::Level::Warning, &inspect::Problem::level);
+            if (file.resembles == "imu" && told != file.problems.end())
+                throw input_error(told->text, {(fs::is_directory(path, ec) ? path / file.path : path).string(), 0, 0, {}},
+                                  told->hint);
+        }
         for (const auto& problem : r.report.problems) {
             if (problem.level != inspect::Level::Error) continue;
             why = problem.text;

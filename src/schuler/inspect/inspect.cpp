@@ -2,6 +2,7 @@
 
 #include "schuler/core/error.h"
 #include "schuler/inspect/detail/beside_imu.h"
+#include "schuler/inspect/detail/folder_files.h"
 #include "schuler/inspect/detail/parts.h"
 #include "schuler/inspect/detail/recognise.h"
 #include "schuler/inspect/detail/study.h"
@@ -21,60 +22,10 @@
 namespace schuler::inspect {
 namespace {
 
+using detail::files_in;
 using detail::LoadedFile;
 using detail::Study;
 namespace fs = std::filesystem;
-
-constexpr std::size_t most_files = 200;
-
-std::vector<fs::path> files_in(const fs::path& folder, Study& study) {
-    std::vector<fs::path> paths;
-    std::error_code failure;
-    for (fs::directory_iterator it(folder, failure), end; !failure && it != end; it.increment(failure)) {
-        std::error_code odd;
-        const std::string name = it->path().filename().string();
-        if (it->is_regular_file(odd) && !name.starts_with(".")) paths.push_back(it->path());
-    }
-    if (failure) {
-        throw input_error(fmt::format("the folder cannot be listed ({})", failure.message()), {folder.string(), 0, 0, {}},
-                          "check its permissions");
-    }
-    std::sort(paths.begin(), paths.end());
-    if (paths.size() > most_files) {
-        study.problem(Level::Warning, fmt::format("{} files; only the first {} by name were looked at", paths.size(), most_files),
-                      "give the folder of one recording");
-        paths.resize(most_files);
-    }
-    return paths;
-}
-
-/// Files one folder deeper, except in result folders of runs; a folder that contains only one folder is replaced by that.
-std::vector<fs::path> files_below(const fs::path& folder, Study& study) {
-    std::vector<fs::path> folders, found;
-    std::error_code ec;
-    fs::path top = folder;
-    for (int depth = 0; depth < 2; ++depth) {
-        folders.clear();
-        for (fs::directory_iterator it(top, ec), end; !ec && it != end; it.increment(ec))
-            if (it->is_directory(ec) && !it->path().filename().string().starts_with(".")) folders.push_back(it->path());
-        if (folders.size() != 1 || !files_in(folders.front(), study).empty()) break;
-        top = folders.front();
-    }
-    std::ranges::sort(folders);
-    for (const fs::path& one : folders) {
-        if (fs::exists(one / "config.toml", ec) || fs::exists(one / "run.h5", ec)) continue;
-        const io::Format* format = io::format_of(one);
-        if (format != nullptr) {
-            found.push_back(one);
-            continue;
-        }
-        const std::vector<fs::path> inside = files_in(one, study);
-        found.insert(found.end(), inside.begin(), inside.end());
-    }
-    constexpr std::size_t most = most_files;
-    if (found.size() > most) found.resize(most);
-    return found;
-}
 
 bool is_prose(const fs::path& path) {
     std::string extension = path.extension().string();
@@ -355,7 +306,7 @@ void load_files(const fs::path& path, Study& study) {
         // in addition to named files, only tables can take a role, and the IMU's in the log of a receiver
         const bool raw = io::raw_format(file) != io::RawFormat::None;
         if (is_prose(file) || (!given.find_logs && ((raw && !given.find_imu) || file.extension() == ".toml"))) return;
-        const std::string name = folder ? fs::relative(file, path, failure).generic_string() : file.filename().string();
+        const std::string name = folder ? file.lexically_relative(path).generic_string() : file.filename().string();
         if (folder && is_own_solution(file)) {
             LoadedFile& own = study.files.emplace_back();
             own.path = file;
@@ -373,8 +324,14 @@ void load_files(const fs::path& path, Study& study) {
         return file.table == io::TableKind::Imu || file.table == io::TableKind::Gnss;
     };
     const auto raw = [](const LoadedFile& file) { return !file.report.contents.empty(); };
-    if (folder && given.find_logs && std::ranges::none_of(study.files, usable) && std::ranges::none_of(study.files, raw))
-        for (const fs::path& file : files_below(path, study)) load(file);
+    const auto nothing_found = [&] {
+        return std::ranges::none_of(study.files, usable) && std::ranges::none_of(study.files, raw);
+    };
+    if (folder && given.find_logs && nothing_found()) {
+        const detail::FilesBelow below = detail::files_below(path, study);
+        for (const fs::path& file : below.files) load(file);
+        detail::tell_folders_further_down(path, below.folders, nothing_found() ? Level::Warning : Level::Info, study);
+    }
     if (!given.computed.fixes.empty()) study.files.push_back(detail::load_computed(given.computed));
 }
 

@@ -79,7 +79,8 @@ This page is made by the program (`ctest -R io.FormatsDocument` compares it; to 
 
 A file is recognised by its content: by marks of its own first, tables of text by the names of their columns, tables without names by their values. What is
 not certain is "unknown": a trajectory is never taken for an IMU, a setpoint never for a measurement. Files may be compressed (`.gz`). A folder
-is one recording; where nothing usable lies in it, its folders are looked through.
+is one recording; where nothing usable lies in it, its folders are looked through, those of these are not. Lines that begin with `#`, `%` or `//`, also in
+quotation marks, are comments of a table, between the rows too. A column `gps_week` beside seconds of the week dates a log.
 
 A log of several instruments has a *stream* each, named behind its file: `[imu] file = "flight.ulg#imu1"`. `schuler convert flight.ulg FOLDER` writes every
 stream as a table, `schuler convert flight.ulg#imu imu.csv` one of them. Axes are forward-right-down where the format fixes them; axes of tables,

@@ -117,6 +117,14 @@ StreamPath stream_path(const std::filesystem::path& path) {
     return {file, text.substr(mark + 1)};
 }
 
+const Stream& stream_of_log(const StreamLog& log, const StreamPath& where) {
+    if (const Stream* stream = log.find(where.stream)) return *stream;
+    std::string names;
+    for (const Stream& s : log.streams) names += (names.empty() ? "" : ", ") + s.name;
+    throw input_error(fmt::format("holds no stream \"{}\"", where.stream), place_in(where.file.string()),
+                      names.empty() ? "it holds none that is used" : "it holds " + names);
+}
+
 TextInput LogFiles::open(const std::filesystem::path& path, WarningLog& warnings) {
     StreamPath where = stream_path(path);
     if (where.stream.empty()) {
@@ -135,14 +143,8 @@ TextInput LogFiles::open(const std::filesystem::path& path, WarningLog& warnings
                               "give the file name without # and what follows");
         log = logs_.emplace(where.file, format->read(TextInput(where.file), warnings)).first;
     }
-    const Stream* stream = log->second.find(where.stream);
-    if (stream == nullptr) {
-        std::string names;
-        for (const Stream& s : log->second.streams) names += (names.empty() ? "" : ", ") + s.name;
-        throw input_error(fmt::format("holds no stream \"{}\"", where.stream), place_in(where.file.string()),
-                          names.empty() ? "it holds none that is used" : "it holds " + names);
-    }
-    return TextInput::memory(tables_.emplace(path, table_text(*stream, log->second.clock)).first->second, path.string());
+    const Stream& stream = stream_of_log(log->second, where);
+    return TextInput::memory(tables_.emplace(path, table_text(stream, log->second.clock)).first->second, path.string());
 }
 
 }  // namespace schuler::io

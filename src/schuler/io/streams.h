@@ -75,6 +75,9 @@ struct StreamPath {
 };
 [[nodiscard]] StreamPath stream_path(const std::filesystem::path& path);
 
+/// The stream of that name in the log of that file. @throws Error(Input) with the names that there are
+[[nodiscard]] const Stream& stream_of_log(const StreamLog& log, const StreamPath& where);
+
 /// Opens files and streams of logs as tables. A log is read once, and kept in memory for the lifetime of this object.
 class LogFiles {
 public:

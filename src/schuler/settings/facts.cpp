@@ -5,7 +5,10 @@
 #include "schuler/settings/config/config.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <type_traits>
+#include <utility>
 
 namespace schuler::settings {
 namespace {
@@ -77,9 +80,15 @@ FactValue fact_value_of(const Value& value) {
 
 SettingList settings_of(const std::vector<Fact>& facts, const std::string& origin) {
     SettingList out;
-    for (const Fact& fact : facts)
-        if (fact.how != Known::File || config_table().find(fact.key) != nullptr)
-            out.push_back({fact.key, value_of(fact.value), {origin, 0, 0, fact.key}});
+    for (const Fact& fact : facts) {
+        const auto* option = config_table().find(fact.key);
+        if (fact.how == Known::File && option == nullptr) continue;
+        Value value = value_of(fact.value);
+        // facts do not tell whole numbers from others
+        if (option != nullptr && option->spec.shape == Shape::Integer && value.is_number())
+            value.data = static_cast<std::int64_t>(std::llround(value.number()));
+        out.push_back({fact.key, std::move(value), {origin, 0, 0, fact.key}});
+    }
     return out;
 }
 

@@ -16,6 +16,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
+#include <set>
 #include <utility>
 
 namespace schuler::solution {
@@ -34,6 +36,26 @@ dataset::Reading reading_of(const settings::Config& c) {
     reading.log = c.aids.log.file;
     reading.compass = c.aids.compass.file;
     return reading;
+}
+
+/// Sections whose file was found and not named.
+std::set<std::string> found_files(const settings::Dataset& dataset) {
+    std::set<std::string> sections;
+    for (const Fact& fact : dataset.facts)
+        if (fact.key.ends_with(".file") && !dataset.given.contains(fact.key))
+            sections.insert(fact.key.substr(0, fact.key.find('.')));
+    return sections;
+}
+
+/// An aid that was found and cannot be read is as one that is not there, so that the dumped settings repeat the run.
+void leave_out(const std::vector<std::string>& sections, LoadedDataset& out) {
+    settings::Config& c = out.config;
+    const std::map<std::string, dataset::FileSource*> sources = {
+        {"baro", &c.baro}, {"mag", &c.mag}, {"odometer", &c.odometer}, {"heading", &c.heading}, {"reference", &c.reference}};
+    for (const std::string& section : sections) {
+        *sources.at(section) = {};
+        std::erase_if(out.facts, [&](const Fact& fact) { return fact.key.starts_with(section + "."); });
+    }
 }
 
 /// Applies the statements of the files.
@@ -188,7 +210,10 @@ LoadedDataset load_dataset(const settings::Dataset& dataset, const settings::Con
     out.config.filter.gnss.latency_found = std::ranges::none_of(
         out.given, [](const std::string& key) { return key.starts_with("gnss.") && key.ends_with("latency_s"); });
     assume_aid_errors(out.config);
-    dataset::ReadFiles files = dataset::read_files(dataset.folder, out.config, reading_of(out.config), warnings);
+    dataset::Reading reading = reading_of(out.config);
+    reading.found = found_files(dataset);
+    dataset::ReadFiles files = dataset::read_files(dataset.folder, out.config, reading, warnings);
+    leave_out(files.left_out, out);
     take_stated(files, out.config);
     out.recording = std::move(files.recording);
     out.carrier = std::move(files.carrier);

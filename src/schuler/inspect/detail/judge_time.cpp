@@ -137,6 +137,26 @@ static void refuse_serial_dates(Study& study) {
     }
 }
 
+/// The week beside seconds of the week dates the log.
+static void judge_week(Study& study) {
+    const LoadedFile *imu = study.imu_file, *gnss = study.gnss_file;
+    const LoadedFile* with = gnss != nullptr && gnss->week ? gnss : imu != nullptr && imu->week ? imu : nullptr;
+    if (with == nullptr) {
+        study.draft.set("time", "week", 2300.0, "the files do not give the GPS week; only dates in the outputs need it", false);
+        return;
+    }
+    study.draft.set("time", "week", static_cast<double>(*with->week),
+                    fmt::format("column {} of {}", with->week_column, with->report.path), true, Known::File);
+    if (imu == nullptr || gnss == nullptr || !imu->week || !gnss->week) return;
+    const bool between =
+        std::abs(imu->report.start_s - gnss->report.start_s) > 0.5 * week;  // a week begins between their first rows
+    if (*imu->week != *gnss->week && !between) {
+        study.doubts.push_back(fmt::format("{} is of GPS week {} and {} of week {}: the seconds of the week alone are compared",
+                                           imu->report.path, *imu->week, gnss->report.path, *gnss->week));
+        study.problem(Level::Warning, study.doubts.back(), "check that the files are of the same run");
+    }
+}
+
 void judge_time(Study& study) {
     refuse_serial_dates(study);
     const LoadedFile* main = study.gnss_file != nullptr  ? study.gnss_file
@@ -147,9 +167,7 @@ void judge_time(Study& study) {
     study.found("time.scale", scale.name, scale.confidence, scale.why);
     study.draft.set("time", "scale", scale.name, fmt::format("{}: {}", how_sure(scale.confidence), scale.why), true,
                     scale.confidence >= 0.9 ? Known::File : Known::Found);
-    if (scale.name == "gps" && main->report.stop_s < 1.1 * week) {
-        study.draft.set("time", "week", 2300.0, "the files do not give the GPS week; only dates in the outputs need it", false);
-    }
+    if (scale.name == "gps" && main->report.stop_s < 1.1 * week) judge_week(study);
     study.origin = Time{main->cadence_origin_ns} + Duration::from_seconds(main->cadence.start);
     if (study.imu_file != nullptr && study.gnss_file != nullptr) check_overlap(study);
     if (study.gnss_file != nullptr) {

@@ -52,6 +52,7 @@ std::vector<std::string> explained_columns(const LoadedFile& file) {
         line += m.unit_stated ? ")" : ", unit judged by value)";
         out.push_back(std::move(line));
     }
+    if (file.week) out.push_back(fmt::format("{}: GPS week {} of the first row", file.week_column, *file.week));
     if (file.plan.unused.empty()) return out;
     std::string unused;
     for (const std::string& name : file.plan.unused) unused += (unused.empty() ? "" : ", ") + name;

@@ -42,7 +42,9 @@ struct LoadedFile {
     bool computed = false;    ///< no file: fixes from raw measurements, for the analysis only
     bool gps_time = false;    ///< times are GPS time since 1980 (RTKLIB, NMEA): certain
     bool by_arrival = false;  ///< io::Stream::by_arrival
-    Cadence cadence;          ///< times in s after `cadence_origin_ns`
+    std::optional<int> week;  ///< of GPS, of the first row, by a column of its own: `week_column`
+    std::string week_column;
+    Cadence cadence;  ///< times in s after `cadence_origin_ns`
     std::int64_t cadence_origin_ns = 0;
 
     [[nodiscard]] bool has(const std::string& canonical) const { return columns.contains(canonical); }

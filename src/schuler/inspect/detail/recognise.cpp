@@ -21,9 +21,12 @@
 namespace schuler::inspect::detail {
 namespace {
 
-/// Columns missing from a kind of table, for files that nearly match one: that kind, and its description.
-std::pair<std::string, std::string> nearly(const io::TableLayout& layout) {
-    std::string best, best_kind;
+/// Columns missing from a kind of table, for files that nearly match one: that kind, and what is to be said.
+struct Nearly {
+    std::string kind, text = "no data that Schuler uses (a table with other columns)", hint;
+};
+Nearly nearly(const io::TableLayout& layout) {
+    Nearly best;
     std::size_t fewest = 4;
     const auto judge = [&](io::TableKind kind, std::initializer_list<const char*> needed) {
         const io::ColumnPlan plan = io::match_columns(layout, kind);
@@ -35,17 +38,19 @@ std::pair<std::string, std::string> nearly(const io::TableLayout& layout) {
         }
         if (n > 0 && n < fewest && n < needed.size() - 1) {
             fewest = n;
-            best_kind = io::name_of(kind);
-            best = fmt::format(
-                "it looks like {} data but lacks {}: name the columns in dataset.toml, [{}] columns = {{ {} = \"NAME\" }}",
-                io::name_of(kind), lacking, io::name_of(kind), lacking.substr(0, lacking.find(',')));
+            best = {std::string(io::name_of(kind)), "not usable as it is",
+                    fmt::format("it looks like {} data but lacks {}: name the columns in dataset.toml, [{}] columns = {{ {} = "
+                                "\"NAME\" }}",
+                                io::name_of(kind), lacking, io::name_of(kind), lacking.substr(0, lacking.find(',')))};
+            if (lacking == "accel_x_m_s2, accel_y_m_s2, accel_z_m_s2") best.text = "a gyroscope without an accelerometer";
+            if (lacking == "gyro_x_rad_s, gyro_y_rad_s, gyro_z_rad_s") best.text = "an accelerometer without a gyroscope";
         }
     };
     judge(io::TableKind::Imu,
           {"time_s", "gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s", "accel_x_m_s2", "accel_y_m_s2", "accel_z_m_s2"});
     judge(io::TableKind::Gnss, {"time_s", "lat_deg", "lon_deg", "height_m"});
     judge(io::TableKind::Mag, {"time_s", "mag_x_ut", "mag_y_ut", "mag_z_ut"});
-    return {best_kind, best};
+    return best;
 }
 
 /// The role is given; missing columns are reported by the reader of that role.
@@ -154,6 +159,27 @@ void tell_other_instruments(LoadedFile& file, const io::TableLayout& layout) {
                      "to use one that is measured: a table time_s,heading_deg,std_deg of its own, [heading] file = ...");
 }
 
+/// The GPS week of the first row, where a column beside the seconds of the week has it. Weeks counted modulo 1024 date nothing.
+void take_week(LoadedFile& file, const io::TableLayout& layout) {
+    constexpr int first_usable = 1024, last_usable = 6000;
+    for (std::size_t i = 0; i < layout.names.size(); ++i) {
+        const std::string& name = layout.names[i];
+        std::string words;
+        for (const std::string& word : io::words_of_name(name)) words += word;
+        static constexpr std::array known = {"week", "gpsweek", "weekno", "weeknumber", "gpsweekno", "gpsweeknumber", "gwk"};
+        const auto unused = std::ranges::find(file.plan.unused, name);
+        if (unused == file.plan.unused.end() || std::ranges::find(known, words) == known.end()) continue;
+        const auto row =
+            std::ranges::find_if(layout.sample, [&](const auto& r) { return i < r.size() && !io::is_missing_value(r[i]); });
+        const double week = row != layout.sample.end() ? io::number_from((*row)[i]) : 0.0;
+        if (!(week >= first_usable && week <= last_usable) || week != std::floor(week)) continue;
+        file.week = static_cast<int>(week);
+        file.week_column = name;
+        file.plan.unused.erase(unused);
+        return;
+    }
+}
+
 void recognise_table(LoadedFile& file) {
     const io::TextInput input(file.path);
     io::TableLayout layout = io::inspect_table(input);
@@ -184,10 +210,9 @@ void recognise_table(LoadedFile& file) {
         file.table = io::guess_table_kind(layout);
     }
     if (!file.table) {
-        const auto [kind, hint] = nearly(layout);
-        file.report.resembles = kind;
-        file.problem(hint.empty() ? Level::Info : Level::Warning,
-                     hint.empty() ? "no data that Schuler uses (a table with other columns)" : "not usable as it is", hint);
+        const Nearly table = nearly(layout);
+        file.report.resembles = table.kind;
+        file.problem(table.hint.empty() ? Level::Info : Level::Warning, table.text, table.hint);
         return;
     }
     file.report.kind = io::name_of(*file.table);
@@ -204,6 +229,7 @@ void recognise_table(LoadedFile& file) {
         file.problem(Level::Warning, reason, hint);
         return;
     }
+    take_week(file, layout);
     tell_other_instruments(file, layout);
     if (file.report.kind == "trajectory") file.table.reset();
 }

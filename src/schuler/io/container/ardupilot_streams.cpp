@@ -67,6 +67,33 @@ void add_imu(const RawTables& tables, StreamLog& log) {
     }
 }
 
+/// Heights above mean sea level less those above the ellipsoid, as ArduPilot counts them (`Und`, [ArduPilotLog]). They change by
+/// centimetres per kilometre: before the receiver gives the first one, that one holds.
+struct Undulation {
+    std::vector<double> time, value;  ///< us, m
+
+    [[nodiscard]] bool known() const { return !time.empty(); }
+    [[nodiscard]] double at(double us) const {
+        const auto later = std::ranges::upper_bound(time, us) - time.begin();
+        return value[static_cast<std::size_t>(std::max<std::ptrdiff_t>(later - 1, 0))];
+    }
+};
+
+Undulation undulation_of(const RawTable* accuracy) {
+    Undulation u;
+    const Column und = accuracy == nullptr ? nullptr : accuracy->find("Und");
+    if (und == nullptr) return u;
+    const std::vector<double> time = times_of(*accuracy);
+    constexpr double most = 120.0;  // m
+    for (std::size_t i = 0; i < time.size(); ++i) {
+        const double x = (*und)[i];
+        if (!(std::abs(x) < most) || x == 0.0 || (!u.time.empty() && time[i] < u.time.back())) continue;  // zero: not known
+        u.time.push_back(time[i]);
+        u.value.push_back(x);
+    }
+    return u;
+}
+
 FixType fix_of(double status) {
     static constexpr std::array types = {FixType::None,         FixType::None,     FixType::Autonomous, FixType::Autonomous,
                                          FixType::Differential, FixType::RtkFloat, FixType::RtkFixed};
@@ -93,15 +120,16 @@ void add_gnss(const RawTables& tables, StreamLog& log) {
                 ++k;
             }
         }
+        const Undulation undulation = undulation_of(accuracy != accuracies.end() ? *accuracy : nullptr);
         Stream s("gnss", TableKind::Gnss, label(*t),
-                 {"lat_deg", "lon_deg", "height_msl_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "std_h_m", "std_d_m",
-                  "std_vel_m_s", "satellites"});
+                 {"lat_deg", "lon_deg", undulation.known() ? "height_ellipsoidal_m" : "height_msl_m", "vel_n_m_s", "vel_e_m_s",
+                  "vel_d_m_s", "std_h_m", "std_d_m", "std_vel_m_s", "satellites"});
         for (std::size_t i = 0; i < t->rows(); ++i) {
             const double v = value(speed, i), angle = value(course, i) * units::deg;
             const auto given = [](double x) { return x > 0.0 && x < 1000.0 ? x : not_given; };
-            s.add(ns_of(time[i]),
-                  {(*lat)[i], (*lon)[i], value(height, i), v * std::cos(angle), v * std::sin(angle), value(down, i),
-                   given(sigma[0][i]), given(sigma[1][i]), given(sigma[2][i]), value(satellites, i)});
+            s.add(ns_of(time[i]), {(*lat)[i], (*lon)[i], value(height, i) - (undulation.known() ? undulation.at(time[i]) : 0.0),
+                                   v * std::cos(angle), v * std::sin(angle), value(down, i), given(sigma[0][i]),
+                                   given(sigma[1][i]), given(sigma[2][i]), value(satellites, i)});
             s.fix.push_back(status == nullptr ? FixType::Unknown : fix_of((*status)[i]));
         }
         log.add(std::move(s));
@@ -152,9 +180,13 @@ void add_reference(const RawTables& tables, StreamLog& log) {
     };
     fill({"POS"}, {{"Lat"}, {"Lng", "Lon"}, {"Alt"}}, 0);
     fill({"XKF1", "NKF1", "EKF1"}, {{"VN"}, {"VE"}, {"VD"}}, 3);
+    const auto accuracies = tables_named(tables, "GPA");
+    const Undulation undulation = undulation_of(accuracies.empty() ? nullptr : accuracies.front());
+    for (std::size_t i = 0; undulation.known() && i < t.rows(); ++i) rest[2][i] -= undulation.at(time[i]);
     Stream s("reference", TableKind::Reference, "ATT, POS, XKF1",
-             {"onboard_lat_deg", "onboard_lon_deg", "onboard_height_msl_m", "onboard_vel_n_m_s", "onboard_vel_e_m_s",
-              "onboard_vel_d_m_s", "onboard_roll_deg", "onboard_pitch_deg", "onboard_heading_deg"});
+             {"onboard_lat_deg", "onboard_lon_deg", undulation.known() ? "onboard_height_m" : "onboard_height_msl_m",
+              "onboard_vel_n_m_s", "onboard_vel_e_m_s", "onboard_vel_d_m_s", "onboard_roll_deg", "onboard_pitch_deg",
+              "onboard_heading_deg"});
     for (std::size_t i = 0; i < t.rows(); ++i)
         s.add(ns_of(time[i]), {rest[0][i], rest[1][i], rest[2][i], rest[3][i], rest[4][i], rest[5][i], (*angles[0])[i],
                                (*angles[1])[i], (*angles[2])[i]});

@@ -305,7 +305,7 @@ const Format dataflash_format = {
     .title = "ArduPilot DataFlash",
     .extensions = ".bin .log",
     .holds =
-        "IMU (`IMU`, `IMU2`, ..., else `GYR` with `ACC`), GNSS (`GPS` with the accuracies of `GPA`), barometer (`BARO`), magnetometer (`MAG`), the "
+        "IMU (`IMU`, `IMU2`, ..., else `GYR` with `ACC`), GNSS (`GPS` with the accuracies of `GPA`, and with its undulation `Und` as ellipsoidal heights), barometer (`BARO`), magnetometer (`MAG`), the "
         "autopilot's attitude, velocity and position (`ATT`, `XKF1` or `NKF1`, `POS`) as reference; binary, or as text",
     .time = "boot of the autopilot",
     .recognise =

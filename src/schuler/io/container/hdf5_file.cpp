@@ -206,9 +206,9 @@ struct Hdf5Reader::File {
     }
 };
 
-Hdf5Reader::Hdf5Reader(const std::filesystem::path& path) : file_(std::make_unique<File>()) {
+Hdf5Reader::Hdf5Reader(const std::filesystem::path& path, const std::string& display_name) : file_(std::make_unique<File>()) {
     prepare_library();
-    file_->name = path.string();
+    file_->name = display_name.empty() ? path.string() : display_name;
     check_regular_file(path);
     file_->file = Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
     if (!file_->file.ok())

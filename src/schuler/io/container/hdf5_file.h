@@ -54,7 +54,8 @@ struct Hdf5Table {
 /// Reads files of Hdf5Writer. Throws Error(Input): no such file, not HDF5, no such object.
 class Hdf5Reader {
 public:
-    explicit Hdf5Reader(const std::filesystem::path& path);
+    /// Messages name the file by `display_name`, unless that is empty.
+    explicit Hdf5Reader(const std::filesystem::path& path, const std::string& display_name = {});
     ~Hdf5Reader();
     Hdf5Reader(const Hdf5Reader&) = delete;
     Hdf5Reader& operator=(const Hdf5Reader&) = delete;

@@ -6,6 +6,7 @@
 #include "schuler/io/own_files.h"
 #include "schuler/io/place.h"
 #include "schuler/io/text/table.h"
+#include "schuler/io/unpacked_file.h"
 
 #include <fmt/format.h>
 #include <matio.h>
@@ -250,12 +251,13 @@ std::optional<VariablePlaces> variable_places(const std::string& file) {
 
 StreamLog read_mat(const TextInput& input, WarningLog& warnings) {
     if (input.in_memory()) throw input_error("a MAT-file cannot be read from memory", place_in(input.name()), "give the file");
-    const File file(Mat_Open(input.name().c_str(), MAT_ACC_RDONLY), Mat_Close);
+    const UnpackedFile unpacked(input);
+    const File file(Mat_Open(unpacked.path().c_str(), MAT_ACC_RDONLY), Mat_Close);
     if (!file)
         throw input_error("is not a MAT-file, or damaged", place_in(input.name()), "save it with -v7 and copy it completely");
     std::vector<Group> groups(1);
     std::string names;
-    const std::optional<VariablePlaces> places = variable_places(input.name());
+    const std::optional<VariablePlaces> places = variable_places(unpacked.path());
     std::optional<std::size_t> damaged = places ? places->damaged : std::nullopt;
     for (std::size_t n = 0; !places || n < places->starts.size(); ++n) {
         const MatVariable v(Mat_VarReadNext(file.get()), Mat_VarFree);

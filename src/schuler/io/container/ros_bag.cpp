@@ -6,6 +6,7 @@
 #include "schuler/io/detail/little_endian.h"
 #include "schuler/io/formats.h"
 #include "schuler/io/place.h"
+#include "schuler/io/unpacked_file.h"
 
 #include <fmt/format.h>
 #include <sqlite3.h>
@@ -148,11 +149,13 @@ using Statement = std::unique_ptr<sqlite3_stmt, decltype(&sqlite3_finalize)>;
 
 StreamLog read_db3(const TextInput& input, WarningLog& warnings) {
     if (input.in_memory()) throw input_error("a database cannot be read from memory", place_in(input.name()), "give the file");
+    const UnpackedFile unpacked(input);
     sqlite3* raw = nullptr;
     // immutable: no files are written beside it, and read-only folders are permitted
     const std::string uri = "file:" + [&] {
         std::string escaped;
-        for (const char c : input.name()) escaped += c == '%' ? "%25" : c == '?' ? "%3f" : c == '#' ? "%23" : std::string(1, c);
+        for (const char c : unpacked.path())
+            escaped += c == '%' ? "%25" : c == '?' ? "%3f" : c == '#' ? "%23" : std::string(1, c);
         return escaped;
     }() + "?immutable=1";
     const int opened = sqlite3_open_v2(uri.c_str(), &raw, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);

@@ -4,6 +4,7 @@
 #include "schuler/io/container/hdf5_file.h"
 #include "schuler/io/formats.h"
 #include "schuler/io/place.h"
+#include "schuler/io/unpacked_file.h"
 
 #include <fmt/format.h>
 
@@ -14,7 +15,8 @@ namespace schuler::io {
 namespace {
 
 StreamLog read_run(const TextInput& input, WarningLog&) {
-    const Hdf5Reader file(input.name());
+    const UnpackedFile unpacked(input);
+    const Hdf5Reader file(unpacked.path(), input.name());
     const std::vector<std::string> groups = file.names("/");
     const auto has = [&](const char* name) { return std::ranges::find(groups, name) != groups.end(); };
     StreamLog log;

@@ -14,8 +14,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace schuler::io {
 
@@ -77,30 +81,36 @@ public:
         constexpr std::string_view sync = "\xb5\x62";
         for (std::size_t at = bytes.find(sync); at != std::string_view::npos; at = bytes.find(sync, at)) {
             Message m;
-            if (message_at(bytes.substr(at), m) == Scan::Message) {
-                if (!message(m)) bad(at);
+            const Scan found = message_at(bytes.substr(at), m);
+            if (found == Scan::Message) {
+                damage.message();
+                if (!message(m)) damage.bad(at);
                 at += m.size;
             } else {
-                bad(at);
+                if (found == Scan::Cut) damage.cut(at);
+                else damage.bad(at);
                 at += sync.size();
             }
         }
+        result.records.bad = damage.count();
+        result.records.first_bad_line = static_cast<long>(damage.first());
     }
 
     UbxLog result;
+    detail::UbxDamage damage;
+    std::map<unsigned, std::size_t> others;  ///< messages of kinds that are not read here
 
 private:
-    void bad(std::size_t offset) {
-        if (result.records.bad++ == 0) result.records.first_bad_line = static_cast<long>(offset);
-    }
-
     bool message(const Message& m) {
         bool good = true;
         switch (m.kind) {
             case 0x0215: good = !satellites_ || raw_measurements(m.payload); break;
             case 0x0213: good = !satellites_ || subframe(m.payload); break;
             case 0x0107: good = fix(m.payload); break;
-            default: ++result.records.foreign; return true;
+            default:
+                ++result.records.foreign;
+                ++others[m.kind];
+                return true;
         }
         result.records.read += good ? 1 : 0;
         return good;
@@ -270,6 +280,40 @@ private:
     detail::FrameCollector frames_;
 };
 
+/// "ESF-MEAS (8), HNR-PVT (13)": the most frequent kinds.
+std::string listed(const std::map<unsigned, std::size_t>& kinds) {
+    constexpr std::array names = {
+        std::pair{0x0101U, "NAV-POSECEF"}, std::pair{0x0102U, "NAV-POSLLH"}, std::pair{0x0103U, "NAV-STATUS"},
+        std::pair{0x0105U, "NAV-ATT"},     std::pair{0x0106U, "NAV-SOL"},    std::pair{0x0112U, "NAV-VELNED"},
+        std::pair{0x0121U, "NAV-TIMEUTC"}, std::pair{0x0135U, "NAV-SAT"},    std::pair{0x0210U, "RXM-RAW"},
+        std::pair{0x0211U, "RXM-SFRB"},    std::pair{0x1002U, "ESF-MEAS"},   std::pair{0x1003U, "ESF-RAW"},
+        std::pair{0x1010U, "ESF-STATUS"},  std::pair{0x1014U, "ESF-ALG"},    std::pair{0x1015U, "ESF-INS"},
+        std::pair{0x2800U, "HNR-PVT"},     std::pair{0x2801U, "HNR-ATT"},    std::pair{0x2802U, "HNR-INS"}};
+    std::vector<std::pair<unsigned, std::size_t>> sorted(kinds.begin(), kinds.end());
+    std::ranges::stable_sort(sorted, std::greater{}, &std::pair<unsigned, std::size_t>::second);
+    constexpr std::size_t most = 6;
+    std::string text;
+    for (std::size_t i = 0; i < std::min(most, sorted.size()); ++i) {
+        const auto& [kind, count] = sorted[i];
+        const auto* known = std::ranges::find(names, kind, &std::pair<unsigned, const char*>::first);
+        text += fmt::format(
+            "{}{} ({})", i > 0 ? ", " : "",
+            known != names.end() ? std::string(known->second) : fmt::format("{:02X}-{:02X}", kind >> 8U, kind & 0xFFU), count);
+    }
+    return text + (sorted.size() > most ? fmt::format(" and {} more kinds", sorted.size() - most) : "");
+}
+
+Error nothing_read(const TextInput& input, const UbxReader& reader) {
+    const SourcePlace place = place_in(input.name());
+    if (reader.others.empty())
+        return input_error(fmt::format("there is no usable UBX message ({} damaged)", reader.damage.count()), place,
+                           "log RXM-RAWX and RXM-SFRBX, or NAV-PVT, and copy the log completely");
+    const bool inertial = reader.others.contains(0x1002) || reader.others.contains(0x1003);
+    return input_error(
+        fmt::format("has neither raw measurements (RXM-RAWX) nor fixes (NAV-PVT); it holds {}", listed(reader.others)), place,
+        inertial ? "log NAV-PVT too: the sensors alone give no position" : "log NAV-PVT too, or RXM-RAWX with RXM-SFRBX");
+}
+
 }  // namespace
 
 UbxLog read_ubx(const TextInput& input, WarningLog& log, UbxContent content) {
@@ -277,14 +321,8 @@ UbxLog read_ubx(const TextInput& input, WarningLog& log, UbxContent content) {
     UbxReader reader(content);
     reader.read(bytes);
     UbxLog& r = reader.result;
-    if (r.records.read == 0)
-        throw input_error(
-            fmt::format("there is no usable UBX message ({} damaged, {} of other kinds)", r.records.bad, r.records.foreign),
-            place_in(input.name()), "log RXM-RAWX and RXM-SFRBX, or NAV-PVT");
-    if (r.records.bad > 0)
-        log.add(input.name() + " ubx.bad",
-                fmt::format("{}: damaged UBX messages: skipped, the first at byte {}", input.name(), r.records.first_bad_line),
-                r.records.bad);
+    if (r.records.read == 0) throw nothing_read(input, reader);
+    reader.damage.tell(input.name(), log);
     if (r.unknown_signals > 0)
         log.add(input.name() + " ubx.signals", fmt::format("{}: measurements of unknown signals: skipped", input.name()),
                 r.unknown_signals);

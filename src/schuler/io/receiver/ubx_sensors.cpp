@@ -40,10 +40,14 @@ public:
         for (std::size_t at = bytes.find(sync); at != std::string_view::npos; at = bytes.find(sync, at)) {
             text(bytes.substr(behind, at - behind));
             detail::UbxMessage m;
-            if (detail::message_at(bytes.substr(at), m) == detail::Scan::Message) {
+            const detail::Scan found = detail::message_at(bytes.substr(at), m);
+            if (found == detail::Scan::Message) {
+                damage.message();
                 message(m);
                 at += m.size;
             } else {
+                if (found == detail::Scan::Cut) damage.cut(at);
+                else damage.bad(at);
                 at += sync.size();
             }
             behind = at;
@@ -51,6 +55,7 @@ public:
         text(bytes.substr(std::min(behind, bytes.size())));
     }
 
+    detail::UbxDamage damage;
     std::array<Axis, 3> raw_gyro, raw_accel, gyro, accel;
     std::vector<Mark> marks;
     Stream solution{"reference", TableKind::Reference, "NAV-ATT", {"roll_deg", "pitch_deg", "heading_deg"}};
@@ -244,6 +249,7 @@ StreamLog ubx_streams(const TextInput& input, WarningLog& warnings) {
         fixes = read_ubx(content, warnings, UbxContent::Fixes).fixes;
     } catch (const Error&) {
         // a log of the sensors alone has no other content
+        sensors.damage.tell(input.name(), warnings);
     }
     if (fixes.empty()) {
         try {

@@ -8,6 +8,7 @@
 #include "schuler/io/detail/dated.h"
 #include "schuler/io/formats.h"
 #include "schuler/io/place.h"
+#include "schuler/io/text/detail/last_number.h"
 #include "schuler/io/text/fixed_point.h"
 #include "schuler/io/text/number.h"
 #include "schuler/math/rotation.h"
@@ -83,6 +84,8 @@ StreamLog read_local(const TextInput& input, WarningLog& warnings, bool euroc) {
     std::size_t bad = 0;
     long first_bad = 0;
     bool epochs = true;
+    detail::LastNumber above;
+    std::size_t columns = 0;
     for (Lines lines(bytes); lines.next();) {
         const std::string_view line = lines.line();
         if (line.empty()) continue;
@@ -100,6 +103,14 @@ StreamLog read_local(const TextInput& input, WarningLog& warnings, bool euroc) {
             if (bad++ == 0) first_bad = lines.number();
             continue;
         }
+        const detail::LastNumber last = detail::last_number(line);
+        const bool unended = lines.peek() == '\0' && !bytes.ends_with('\n');
+        if (unended && s.rows() > 0 && (n < columns || detail::may_be_cut(above, last))) {
+            warnings.add(input.name() + " trajectory.cut", fmt::format("{}: {}", input.name(), detail::cut_text(lines.number())));
+            break;
+        }
+        above = last;
+        columns = n;
         constexpr std::int64_t year_2001 = 1'000'000'000'000'000'000;
         epochs = epochs && ns > year_2001;
         s.add(ns, {v[1], v[2], v[3], q[0], q[1], q[2], q[3]});

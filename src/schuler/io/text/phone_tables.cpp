@@ -20,6 +20,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::array axes = {"x", "y", "z"};
+constexpr const char* rate = "gyro_{}_rad_s";
+constexpr const char* force = "accel_{}_m_s2";
+
 bool has_word(const fs::path& file, std::initializer_list<std::string_view> any) {
     const std::string name = file.filename().string();
     return std::ranges::any_of(words_of_name(name.substr(0, name.find('.'))),
@@ -53,10 +57,21 @@ struct Instrument {
     std::string time_column;
 };
 
-Instrument read_instrument(const fs::path& file, const char* quantity) {
-    const TableLayout layout = inspect_table(TextInput(file));
+struct Columns {
+    TableLayout layout;
+    ColumnPlan plan;
+    [[nodiscard]] const ColumnMatch* axis(const char* quantity, const char* name) const {
+        return plan.find(fmt::format(fmt::runtime(quantity), name));
+    }
+    [[nodiscard]] bool complete(const char* quantity) const {
+        return std::ranges::all_of(axes, [&](const char* name) { return axis(quantity, name) != nullptr; });
+    }
+};
+
+Columns columns_of(const fs::path& file, const char* quantity) {
+    TableLayout layout = inspect_table(TextInput(file));
     ColumnOverrides names;
-    for (const char* axis : {"x", "y", "z"}) {
+    for (const char* axis : axes) {
         const auto bare = std::ranges::find_if(layout.names, [&](const std::string& name) {
             const std::vector<std::string> words = words_of_name(name);
             return !words.empty() && words.front() == axis;
@@ -64,23 +79,25 @@ Instrument read_instrument(const fs::path& file, const char* quantity) {
         if (bare != layout.names.end()) names.columns[fmt::format(fmt::runtime(quantity), axis)] = *bare;
     }
     if (names.columns.size() != 3) names.columns.clear();
-    const ColumnPlan plan = match_columns(layout, TableKind::Imu, names);
-    const ColumnMatch* time = plan.find("time_s");
-    std::vector<FieldRequest> requests;
+    ColumnPlan plan = match_columns(layout, TableKind::Imu, names);
+    return {std::move(layout), std::move(plan)};
+}
+
+Instrument read_instrument(const fs::path& file, const Columns& columns, const char* quantity) {
+    const ColumnMatch* time = columns.plan.find("time_s");
+    const SourcePlace header = place_in(file.string(), columns.layout.header_line);
+    if (time == nullptr) throw input_error("has no column of the time", header, "name the columns time_s, x, y, z");
     Instrument instrument;
-    if (time != nullptr) {
-        requests.push_back(request_of(*time));
-        instrument.time_column = time->file_name;
-    }
-    for (const char* axis : {"x", "y", "z"}) {
-        const ColumnMatch* match = plan.find(fmt::format(fmt::runtime(quantity), axis));
-        if (match == nullptr || time == nullptr)
-            throw input_error("has no column of the time or of an axis", place_in(file.string(), layout.header_line),
-                              "name the columns time_s, x, y, z");
+    instrument.time_column = time->file_name;
+    std::vector<FieldRequest> requests{request_of(*time)};
+    for (const char* axis : axes) {
+        const ColumnMatch* match = columns.axis(quantity, axis);
+        if (match == nullptr)
+            throw input_error(fmt::format("has no column of the {} axis", axis), header, "name the columns time_s, x, y, z");
         requests.push_back(request_of(*match));
         instrument.unit_stated = match->unit_stated;
     }
-    TableReader reader(TextInput(file), layout, requests);
+    TableReader reader(TextInput(file), columns.layout, requests);
     while (reader.next()) {
         if (!reader.row_ok() || reader.time_ns(0) == TableReader::no_time) continue;
         if (!instrument.t.empty() && reader.time_ns(0) <= instrument.t.back()) continue;  // a logger's repetition
@@ -106,9 +123,9 @@ Stream joined(const Instrument& gyroscope, const Instrument& accelerometer) {
     Stream stream;
     stream.name = "imu";
     stream.kind = TableKind::Imu;
-    for (const char* axis : {"x", "y", "z"})
+    for (const char* axis : axes)
         stream.columns.push_back({fmt::format("gyro_{}{}", axis, gyroscope.unit_stated ? "_rad_s" : ""), {}});
-    for (const char* axis : {"x", "y", "z"})
+    for (const char* axis : axes)
         stream.columns.push_back({fmt::format("accel_{}{}", axis, accelerometer.unit_stated ? "_m_s2" : ""), {}});
     std::vector<double> steps;
     for (std::size_t i = 1; i < accelerometer.t.size(); ++i)
@@ -135,10 +152,15 @@ Stream joined(const Instrument& gyroscope, const Instrument& accelerometer) {
 
 StreamLog read_phone_tables(const TextInput& input, WarningLog& warnings) {
     const fs::path file(input.name());
-    const Instrument gyroscope = read_instrument(file, "gyro_{}_rad_s");
-    std::string other_clock, no_gravity;
+    const Instrument gyroscope = read_instrument(file, columns_of(file, rate), rate);
+    std::string other_clock, no_gravity, other_columns;
     for (const fs::path& candidate : accelerometers_beside(file)) {
-        const Instrument accelerometer = read_instrument(candidate, "accel_{}_m_s2");
+        const Columns columns = columns_of(candidate, force);
+        if (!columns.complete(force)) {
+            other_columns = candidate.filename().string();
+            continue;
+        }
+        const Instrument accelerometer = read_instrument(candidate, columns, force);
         if (!shows_gravity(accelerometer)) {
             no_gravity = candidate.filename().string();
             continue;
@@ -163,7 +185,9 @@ StreamLog read_phone_tables(const TextInput& input, WarningLog& warnings) {
     }
     throw input_error(!other_clock.empty()  ? fmt::format("has hardly any time in common with {}", other_clock)
                       : !no_gravity.empty() ? fmt::format("is a gyroscope alone: {} beside it does not show gravity", no_gravity)
-                                            : std::string("is a gyroscope alone"),
+                      : !other_columns.empty()
+                          ? fmt::format("is a gyroscope alone: {} beside it has no columns of an accelerometer", other_columns)
+                          : std::string("is a gyroscope alone"),
                       place_in(input.name()),
                       !other_clock.empty() ? "give both the same clock, or join them into one table"
                                            : "put the table of the accelerometer itself (with gravity) into the same folder");

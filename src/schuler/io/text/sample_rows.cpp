@@ -9,7 +9,7 @@
 namespace schuler::io::detail {
 namespace {
 
-constexpr double bad_share = 0.05;
+constexpr double bad_share = 0.05, leading_share = 0.5;
 constexpr double back_share = 0.10;
 
 std::string names_of(const TableLayout& layout) {
@@ -74,8 +74,8 @@ void RowAudit::bad_row(const TableReader& reader) {
     if (counts_.bad++ == 0) {
         first_bad_line_ = reader.line();
         first_bad_.push_back(reader.row_error(hint));
-        if (counts_.read == 1) throw first_bad_.front();
     }
+    if (counts_.bad == counts_.read) ++leading_;
 }
 
 void RowAudit::bad_row(const TableReader& reader, std::size_t field) {
@@ -83,6 +83,7 @@ void RowAudit::bad_row(const TableReader& reader, std::size_t field) {
         first_bad_line_ = reader.line();
         first_bad_.push_back(reader.missing_error(field, hint_of_bad_row(section_)));
     }
+    if (counts_.bad == counts_.read) ++leading_;
 }
 
 void RowAudit::absurd(const Error& error, const TableReader& reader) {
@@ -98,8 +99,9 @@ void RowAudit::rolled_over(const TimeRepair& repair) {
 }
 
 void RowAudit::finish(const TableReader& reader) {
-    const auto all = static_cast<double>(counts_.read);
-    if (static_cast<double>(counts_.bad) > bad_share * all) {
+    // an instrument that starts late has no values in its first rows: these show nothing about the column
+    const auto all = static_cast<double>(counts_.read), leading = static_cast<double>(leading_);
+    if (leading > leading_share * all || static_cast<double>(counts_.bad) - leading > bad_share * (all - leading)) {
         if (first_bad_.empty()) throw first_absurd_.front();
         const Error& first = first_bad_.front();
         throw input_error(
@@ -128,10 +130,7 @@ void RowAudit::finish(const TableReader& reader) {
          counts_.bad);
     warn("out_of_order", fmt::format("rows earlier than one before them, sorted in, the first in line {}", first_back_line_),
          counts_.out_of_order);
-    if (reader.last_line_dropped()) {
-        warn("cut",
-             fmt::format("line {} has no line end and its last number is shorter than those above: left out", reader.line()), 1);
-    }
+    if (reader.last_line_dropped()) warn("cut", cut_text(reader.line()), 1);
 }
 
 }  // namespace schuler::io::detail

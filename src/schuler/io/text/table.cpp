@@ -1,6 +1,7 @@
 #include "schuler/io/text/table.h"
 
 #include "schuler/io/text/detail/calendar_text.h"
+#include "schuler/io/text/detail/comment.h"
 #include "schuler/io/text/detail/companion_columns.h"
 
 #include <fmt/format.h>
@@ -16,18 +17,6 @@ namespace {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 bool is_line_end(char c) { return c == '\n' || c == '\r'; }
-
-/// Number of characters of the last number of a line after its decimal point (all of them if there is no point).
-std::size_t last_number_length(const char* start, const char* stop) {
-    const char* p = stop;
-    std::size_t length = 0;
-    while (p > start && (std::isdigit(static_cast<unsigned char>(p[-1])) != 0 || p[-1] == '.')) {
-        --p;
-        if (*p == '.') return length;
-        ++length;
-    }
-    return length;
-}
 
 /// Degrees times 100 plus minutes; NaN with sixty minutes or more.
 double degrees_of(double value) {
@@ -77,7 +66,7 @@ TableReader::TableReader(const TextInput& input, const TableLayout& layout, std:
 
 bool TableReader::next_block() {
     // A last line without line end is in a separate block: keep the required data of the row above.
-    if (previous_row_ != nullptr) previous_length_ = last_number_length(previous_row_, without_line_end(previous_row_, end_));
+    if (previous_row_ != nullptr) above_ = detail::last_number({previous_row_, static_cast<std::size_t>(end_ - previous_row_)});
     if (first_data_line_ == 0 || !blocks_.next()) return false;
     if (decimal_comma_) std::replace(blocks_.data(), blocks_.data() + (blocks_.end() - blocks_.begin()), ',', '.');
     p_ = blocks_.begin();
@@ -94,7 +83,7 @@ bool TableReader::next() {
         const char* p = p_;
         ++line_;
         while (*p == ' ' || *p == '\t') ++p;
-        const bool skip = is_line_end(*p) || *p == '#' || *p == '%' || line_ < first_data_line_;
+        const bool skip = is_line_end(*p) || detail::is_comment({p, 2}) || line_ < first_data_line_;
         if (!skip) {
             problem_field_ = -1;
             p = read_row(delimiter_ == '\t' ? start : p);
@@ -246,7 +235,7 @@ bool TableReader::last_line_complete(const char* start, const char* stop) const 
         throw input_error(fmt::format("the file is cut here: {} of {} columns and no line end", fields, data_columns_), place,
                           fmt::format("copy the file again, or delete line {}", line_));
     }
-    return last_number_length(start, stop) >= previous_length_;
+    return !detail::may_be_cut(above_, detail::last_number({start, static_cast<std::size_t>(stop - start)}));
 }
 
 static std::string why_missing(std::string_view text) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "schuler/core/error.h"
+#include "schuler/io/text/detail/last_number.h"
 #include "schuler/io/text/number.h"
 #include "schuler/io/text/text_input.h"
 
@@ -120,7 +121,7 @@ private:
     const char* p_ = nullptr;
     const char* end_ = nullptr;
     const char* previous_row_ = nullptr;  ///< the previous row in this block
-    std::size_t previous_length_ = 0;     ///< of its last number after the decimal point
+    detail::LastNumber above_;            ///< of the last row before this block
     long line_ = 0;
     int problem_field_ = -1;
     std::string_view problem_text_;

@@ -2,6 +2,7 @@
 
 #include "schuler/io/place.h"
 #include "schuler/io/text/detail/calendar_text.h"
+#include "schuler/io/text/detail/comment.h"
 
 #include <fmt/format.h>
 
@@ -25,8 +26,6 @@ struct FirstLines {
     std::vector<Line> comments, rows;
 };
 
-bool is_comment(std::string_view line) { return !line.empty() && (line.front() == '#' || line.front() == '%'); }
-
 /// A wider table is not a log, and processing it would take too long.
 void check_width(const SourcePlace& place, std::string_view line) {
     constexpr std::ptrdiff_t most_columns = 4096;
@@ -44,7 +43,7 @@ FirstLines first_lines(const LineBlocks& blocks, const std::string& name) {
         std::string_view line(p, static_cast<std::size_t>(stop - p));
         if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
         p = stop + 1;
-        if (is_comment(trimmed(line))) {
+        if (detail::is_comment(trimmed(line))) {
             if (result.comments.size() < sample_lines) result.comments.push_back({number, std::string(trimmed(line))});
         } else if (!trimmed(line).empty()) {
             check_width(place_in(name, number), line);
@@ -133,7 +132,7 @@ bool is_header(const std::vector<std::string>& fields, const std::vector<std::st
 
 /// A header in the comment above the data, as written by numpy.
 std::optional<std::vector<std::string>> header_in_comment(const std::string& comment, char delimiter, int columns) {
-    const std::size_t start = comment.find_first_not_of("#% \t");
+    const std::size_t start = comment.find_first_not_of("#%/ \t");
     if (start == std::string::npos) return std::nullopt;
     const std::string text = comment.substr(start);
     for (const char d : {delimiter, ',', '\t', ' '}) {

@@ -46,7 +46,7 @@ public:
     RowAudit(std::string file, std::string section, WarningLog& log)
         : file_(std::move(file)), section_(std::move(section)), log_(log) {}
 
-    /// A bad row: throws if it is the first row of the file.
+    /// A bad row: those before the first good one may be many.
     void bad_row(const TableReader& reader);
     /// A row without a number in a field that not every row has to have.
     void bad_row(const TableReader& reader, std::size_t field);
@@ -84,7 +84,7 @@ private:
     long first_back_line_ = 0;
     long first_bad_line_ = 0;
     long first_stray_line_ = 0;
-    std::size_t absurd_ = 0;
+    std::size_t absurd_ = 0, leading_ = 0;
     std::vector<Error> first_absurd_;
     std::vector<Error> first_bad_;
 };
