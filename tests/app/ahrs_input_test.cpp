@@ -11,6 +11,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <string_view>
 
 namespace schuler::app {
 namespace {
@@ -85,6 +86,33 @@ TEST(AhrsInput, RatesInAnotherUnitAreToldByGravityAndTheField) {
             std::ranges::any_of(warnings.summary(), [](const std::string& w) { return w.starts_with("the gyro's rates"); });
         EXPECT_EQ(told, factor != 1.0) << factor;
     }
+}
+
+bool told(const WarningLog& warnings, std::string_view what) {
+    return std::ranges::any_of(warnings.summary(), [&](const std::string& w) { return w.find(what) != std::string::npos; });
+}
+
+TEST(AhrsInput, AMagnetometersClockAndMagnetAreCorrectedAndTold) {
+    const solution::LoadedDataset right = swinging(1.0);
+    const Vector3d magnet(-35e-6, 20e-6, 50e-6);
+    solution::LoadedDataset spoilt = right;
+    for (MagSample& s : spoilt.recording.mag) s = {s.time + Duration::from_seconds(0.25), s.field_b + magnet};
+    WarningLog none, warnings;
+    EXPECT_EQ(ahrs_input(right, {}, none).mag_delay, 0.0);
+    EXPECT_TRUE(none.summary().empty()) << none.summary().front();
+    const AhrsInput input = ahrs_input(spoilt, {}, warnings);
+    EXPECT_NEAR(input.mag_delay, 0.25, 0.01);
+    EXPECT_NEAR((input.mag[1000].time - right.recording.mag[1000].time).seconds(), 0.0, 0.01);
+    EXPECT_LT((input.magnet_b - magnet).norm(), 1e-6);
+    EXPECT_LT((input.mag[1000].field_b - right.recording.mag[1000].field_b).norm(), 1e-6);
+    EXPECT_TRUE(told(warnings, "0.25 s late") && told(warnings, "64 uT")) << warnings.summary().front();
+    EXPECT_FALSE(told(warnings, "axes")) << "neither is a fault of the axes";
+
+    spoilt.given = {"mag.time_offset_s"};
+    WarningLog contradicted;
+    const AhrsInput as_given = ahrs_input(spoilt, {}, contradicted);
+    EXPECT_EQ(as_given.mag_delay, 0.0) << "what is given is used";
+    EXPECT_TRUE(told(contradicted, "contradicts the given mag.time_offset_s"));
 }
 
 TEST(AhrsInput, SettingsWithoutAPartInTheAttitudeAreNamed) {
