@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
+#include <Eigen/Eigenvalues>
 
 namespace schuler::filter {
 namespace {
@@ -145,6 +146,53 @@ RC_GTEST_PROP(StartAtTheAntenna, KnowsTheAntennaAndNotTheUnit, ()) {
     math::Random random(*rc::gen::arbitrary<std::uint32_t>(), "start");
     check_start<GeographicFrame>(random);
     check_start<EarthFixedFrame>(random);
+}
+
+/// Errors of a start are shared by the fix, its slow errors and latencies, and by instruments set by it: no combination of states may
+/// have a negative variance.
+template <class Frame>
+void check_definite(math::Random& random) {
+    Settings settings;
+    settings.gnss.lever_arm_b = 2.0 * random.normal3();
+    settings.estimate_lever_arm = random.uniform() < 0.5;
+    settings.gnss.latency_std = 0.15 * random.uniform();
+    settings.gnss.velocity_latency_std = 0.15 * random.uniform();
+    settings.gnss.errors.correlated_position = 3.0 * random.normal3().cwiseAbs();
+    settings.gnss.errors.correlated_velocity = 0.3 * random.normal3().cwiseAbs();
+    Recording recording;
+    recording.baro.push_back({});
+    recording.mag.push_back({});
+    recording.heading.push_back({});
+    const InertialModel model = make_model(settings, make_layout(settings, recording));
+    Start start;
+    start.nav.position = {random.uniform() - 0.5, 3.0 * random.uniform(), 500.0};
+    start.nav.v_eb_n = 10.0 * random.normal3();
+    start.nav.q_nb = math::quaternion_from_rpy({0.1 * random.normal(), 0.1 * random.normal(), 6.0 * random.uniform()});
+    start.std_position = 2.0 * random.normal3().cwiseAbs() + Vector3d::Constant(0.01);
+    start.std_velocity = 0.3 * random.normal3().cwiseAbs() + Vector3d::Constant(0.01);
+    start.std_rpy = Vector3d(0.02, 0.02, 1.5 * random.uniform());
+    start.std_gyro_bias = start.std_accel_bias = Vector3d::Constant(1e-3);
+    start.position_rate = start.nav.v_eb_n;
+    start.velocity_rate = random.normal3();
+    start.heading_rate = random.normal();
+    start.position_of_fix = start.velocity_of_fix = Vector3d::Ones();
+    start.heading_of_mag = random.uniform() < 0.3;
+    start.heading_of_sensor = !start.heading_of_mag && random.uniform() < 0.5;
+    start.at_antenna = random.uniform() < 0.5;
+    FilterRun<Frame> run;
+    set_out(run, model, settings, start, 1000.0 * random.normal());
+    const auto n = static_cast<Eigen::Index>(model.layout.size);
+    const Eigen::MatrixXd P = run.filter.P.topLeftCorner(n, n);
+    RC_ASSERT((P - P.transpose()).norm() < 1e-9 * P.norm());
+    const Eigen::VectorXd scale = P.diagonal().unaryExpr([](double v) { return v > 0.0 ? 1.0 / std::sqrt(v) : 1.0; });
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> correlations(scale.asDiagonal() * P * scale.asDiagonal());
+    RC_ASSERT(correlations.eigenvalues().minCoeff() > -1e-9);
+}
+
+RC_GTEST_PROP(StartCovariance, HasNoNegativeVariances, ()) {
+    math::Random random(*rc::gen::arbitrary<std::uint32_t>(), "definite");
+    check_definite<GeographicFrame>(random);
+    check_definite<EarthFixedFrame>(random);
 }
 
 }  // namespace

@@ -271,16 +271,22 @@ public:
         set(own, 1, sigma);
         if (own >= 0 && started_by_it) tie(own, state, std::min(sigma * sigma, variance(state)));
     }
-    /// A first barometric height that contradicts the stated bias takes precedence; its bias error is correlated with the height used.
+    /// A first barometric height that contradicts the stated bias takes precedence; the bias then has the error of the height used, and
+    /// thus its correlations with all states set before.
     void baro(double first_height, const BaroSettings& settings, const NavState& nav) {
-        if (L_.baro_bias < 0) return;
-        const double height_variance = variance(Layout::position + 2), prior = settings.bias_std;
-        f_.P(L_.baro_bias, L_.baro_bias) = prior * prior;
+        const int own = L_.baro_bias;
+        if (own < 0) return;
+        const Eigen::Matrix<double, 1, 9> local_height = Matrix9(T_.inverse()).row(Layout::position + 2);
+        const Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, estim::max_states> shared =
+            local_height * f_.P.topRows(9);
+        const double height_variance = local_height.dot(shared.head(9)), prior = settings.bias_std;
+        f_.P(own, own) = prior * prior;
         const double offset = first_height - nav.position.h;
         if (!(offset * offset > 9.0 * (prior * prior + height_variance))) return;
-        f_.parameters(L_.baro_bias) = offset;
-        f_.P(L_.baro_bias, L_.baro_bias) = height_variance + settings.std * settings.std;
-        tie(L_.baro_bias, Layout::position + 2, height_variance);
+        f_.parameters(own) = offset;
+        f_.P.row(own) = shared;
+        f_.P.col(own) = shared.transpose();
+        f_.P(own, own) = height_variance + settings.std * settings.std;
     }
 
 private:
@@ -362,7 +368,6 @@ void set_out(FilterRun<Frame>& run, const InertialModel& model, const Settings& 
         f.parameters.template segment<3>(L.lever_arm) = settings.gnss.lever_arm_b;
         P.set(L.lever_arm, 3, settings.gnss.lever_arm_std);
     }
-    P.baro(baro_height, settings.baro, nav);
     P.shown_heading(L.mag_bias, settings.mag.bias_std, start.heading_of_mag);
     P.set(L.odometer_scale, 1, settings.odometer.scale_std);
     P.shown_heading(L.heading_offset, settings.heading.offset_std, start.heading_of_sensor);
@@ -380,6 +385,7 @@ void set_out(FilterRun<Frame>& run, const InertialModel& model, const Settings& 
         for (int i = 0; i < 3; ++i)
             if (start.position_of_fix(i) > 0.0) P.loosen(Layout::position + i, roomy * start.std_position(i));
     }
+    P.baro(baro_height, settings.baro, nav);
     if (start.at_antenna && model.eccentric())
         P.leave_antenna(start.nav.q_nb * model.lever_arm_b, start.nav.q_nb.toRotationMatrix());
     run.ranges.watch.on = L.clock >= 0 && settings.ranging.protection.use;
