@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <zlib.h>
 
 #include <string>
 
@@ -252,12 +251,9 @@ TEST_F(Accidents, CompressedContainersAreRead) {
         rows[i].rpy = {0.01, 0.02, 0.03};
     }
     for (const char* name : {"mat", "hdf5"}) {
-        const auto plain = folder() / fmt::format("run.{}", name), packed = folder() / fmt::format("run.{}.gz", name);
+        const auto plain = folder() / fmt::format("run.{}", name);
         format_named(name)->write(plain, rows, "");
-        const std::string bytes = content_of(plain);
-        gzFile gz = gzopen(packed.c_str(), "wb");
-        gzwrite(gz, bytes.data(), static_cast<unsigned>(bytes.size()));
-        gzclose(gz);
+        const auto packed = write_gz(fmt::format("run.{}.gz", name), content_of(plain));
         const Format* format = format_of(packed);
         ASSERT_NE(format, nullptr) << name;
         EXPECT_EQ(format->name, name);

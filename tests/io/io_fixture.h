@@ -6,6 +6,7 @@
 #include "support/temporary_folder.h"
 
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -27,6 +28,13 @@ protected:
 
     std::filesystem::path write(const std::string& name, const std::string& content) const {
         std::ofstream(folder() / name, std::ios::binary) << content;
+        return folder() / name;
+    }
+    /// Compressed by gzip.
+    std::filesystem::path write_gz(const std::string& name, const std::string& content) const {
+        gzFile gz = gzopen((folder() / name).c_str(), "wb");
+        gzwrite(gz, content.data(), static_cast<unsigned>(content.size()));
+        gzclose(gz);
         return folder() / name;
     }
     [[nodiscard]] static std::string content_of(const std::filesystem::path& path) { return schuler::test::content_of(path); }

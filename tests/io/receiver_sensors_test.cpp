@@ -107,24 +107,34 @@ TEST_F(ReceiverSensors, NovatelAsciiAndBinaryMixed) {
     expect_parts(others.summary().at(0), {"IMU type 200"});
 }
 
-std::string nav_pvt(std::uint32_t tow_ms, int second) {
-    std::string p(92, '\0');
-    const auto set = [&](std::size_t where, auto value) { std::memcpy(p.data() + where, &value, sizeof value); };
-    set(0, tow_ms);
-    set(4, std::uint16_t{2024});
+template <class Value>
+void set(std::string& payload, std::size_t where, Value value) {
+    std::memcpy(payload.data() + where, &value, sizeof value);
+}
+
+/// The payload of a message that begins with the time of the week and a date, as NAV-PVT and HNR-PVT do.
+std::string dated_payload(std::size_t size, std::uint32_t tow_ms, int second) {
+    std::string p(size, '\0');
+    set(p, 0, tow_ms);
+    set(p, 4, std::uint16_t{2024});
     p[6] = 5;
     p[7] = 1;
     p[8] = 12;
     p[10] = static_cast<char>(second);
+    return p;
+}
+
+std::string nav_pvt(std::uint32_t tow_ms, int second) {
+    std::string p = dated_payload(92, tow_ms, second);
     p[11] = 7;
     p[20] = 3;
     p[21] = 1;
     p[23] = 12;
-    set(24, std::int32_t{85'000'000});
-    set(28, std::int32_t{473'000'000});
-    set(32, std::int32_t{500'000});
-    set(40, std::uint32_t{1500});
-    set(44, std::uint32_t{2500});
+    set(p, 24, std::int32_t{85'000'000});
+    set(p, 28, std::int32_t{473'000'000});
+    set(p, 32, std::int32_t{500'000});
+    set(p, 40, std::uint32_t{1500});
+    set(p, 44, std::uint32_t{2500});
     return test::ubx(0x01, 0x07, p);
 }
 
@@ -224,17 +234,10 @@ TEST_F(ReceiverSensors, MeasurementsOfMessagesComeWithTheirSigns) {
 }
 
 std::string hnr_pvt(std::uint32_t tow_ms) {
-    std::string p(72, '\0');
-    const auto set = [&](std::size_t where, auto value) { std::memcpy(p.data() + where, &value, sizeof value); };
-    set(0, tow_ms);
-    set(4, std::uint16_t{2024});
-    p[6] = 5;
-    p[7] = 1;
-    p[8] = 12;
-    p[10] = static_cast<char>(tow_ms / 1000U % 60U);
+    std::string p = dated_payload(72, tow_ms, static_cast<int>(tow_ms / 1000U % 60U));
     p[16] = 3;
-    set(20, std::int32_t{85'000'000});
-    set(24, std::int32_t{473'000'000});
+    set(p, 20, std::int32_t{85'000'000});
+    set(p, 24, std::int32_t{473'000'000});
     return test::ubx(0x28, 0x00, p);
 }
 

@@ -6,8 +6,6 @@
 
 #include "io/io_fixture.h"
 
-#include <zlib.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -109,10 +107,7 @@ TEST_F(Rinex, FilesOfVersion2) {
 
 TEST_F(Rinex, CompressedFilesGiveTheSame) {
     const std::string text = header3() + epoch1 + g08 + r06;
-    const auto path = folder() / "a.obs.gz";
-    gzFile gz = gzopen(path.c_str(), "wb");
-    gzwrite(gz, text.data(), static_cast<unsigned>(text.size()));
-    gzclose(gz);
+    const auto path = write_gz("a.obs.gz", text);
     EXPECT_EQ(read_rinex_observations(path, log).log.observations.size(), 2U);
     const std::string whole = content_of(path);
     const auto cut = write("cut.obs.gz", whole.substr(0, whole.size() - 12));

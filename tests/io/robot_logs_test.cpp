@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 #include <lz4frame.h>
 #include <sqlite3.h>
-#include <zlib.h>
 #include <zstd.h>
 
 #include <array>
@@ -170,12 +169,9 @@ TEST_F(RobotLogs, DatabaseOfRos2) {
     const StreamLog log = read(file, warnings);
     EXPECT_EQ(log.find("imu")->rows(), 9U);
     expect_parts(warnings.summary().at(0), {"log.db3", "damaged messages"});
-    const std::string bytes = content_of(file);
-    gzFile gz = gzopen((folder() / "log.db3.gz").c_str(), "wb");
-    gzwrite(gz, bytes.data(), static_cast<unsigned>(bytes.size()));
-    gzclose(gz);
+    const auto packed_file = write_gz("log.db3.gz", content_of(file));
     WarningLog packed;
-    EXPECT_EQ(read(folder() / "log.db3.gz", packed).find("imu")->rows(), 9U);
+    EXPECT_EQ(read(packed_file, packed).find("imu")->rows(), 9U);
     expect_parts(packed.summary().at(0), {"log.db3.gz", "damaged messages"});
 }
 

@@ -4,8 +4,6 @@
 
 #include "io/io_fixture.h"
 
-#include <zlib.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -175,10 +173,7 @@ TEST_F(Table, BlocksDoNotChangeTheRows) {
 TEST_F(Table, ReadsGz) {
     std::string text = "time,a\n";
     for (int i = 0; i < 100000; ++i) text += std::to_string(i) + "," + std::to_string(2 * i) + "\n";
-    const auto path = folder() / "t.csv.gz";
-    gzFile gz = gzopen(path.c_str(), "wb");
-    gzwrite(gz, text.data(), static_cast<unsigned>(text.size()));
-    gzclose(gz);
+    const auto path = write_gz("t.csv.gz", text);
     const auto got = rows(path, 2);
     ASSERT_EQ(got.size(), 100000U);
     EXPECT_EQ(got.back(), (std::vector<double>{99999.0, 199998.0}));

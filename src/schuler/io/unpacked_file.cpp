@@ -17,10 +17,10 @@
 namespace schuler::io {
 namespace {
 
-bool is_gz(const std::string& file) {
+bool is_compressed(const std::string& file) {
     std::array<char, 2> magic{};
     std::ifstream in(file, std::ios::binary);
-    return in.read(magic.data(), magic.size()) && magic[0] == '\x1f' && magic[1] == '\x8b';
+    return in.read(magic.data(), magic.size()) && is_gzip({magic.data(), magic.size()});
 }
 
 bool write_all(int fd, std::string_view bytes) {
@@ -35,7 +35,7 @@ bool write_all(int fd, std::string_view bytes) {
 }  // namespace
 
 UnpackedFile::UnpackedFile(const TextInput& input) : path_(input.name()) {
-    if (!is_gz(path_)) return;
+    if (!is_compressed(path_)) return;
     const std::string bytes = read_bytes(input);
     std::error_code ec;
     std::string name = (std::filesystem::temp_directory_path(ec) / "schuler_unpacked_XXXXXX").string();

@@ -1,3 +1,4 @@
+#include "schuler/ahrs/field_turns.h"
 #include "schuler/analysis/turn_agreement.h"
 #include "schuler/app/attitude/ahrs.h"
 #include "schuler/core/units.h"
@@ -44,8 +45,8 @@ void check_magnetometer(const AhrsInput& input, const analysis::TurnAgreement& f
                                                   size));
     }
     // a magnet on the sensor hides the rotation of the Earth's field from the correlation, but not once it is taken off
-    constexpr double least_agreement = 0.6, enough_explained = 0.5;
-    const bool explained = input.axes.explained > enough_explained;
+    constexpr double least_agreement = 0.6;
+    const bool explained = input.axes.explained > 1.0 - ahrs::unconvincing;
     if (!explained && field.turned > enough_turned && field.correlation < least_agreement) {
         warnings.add(
             "ahrs.mag.axes",

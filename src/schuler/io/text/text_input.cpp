@@ -67,6 +67,8 @@ std::string utf8_of_utf16(std::string_view bytes) {
 
 bool is_utf16(std::string_view bytes) { return bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff"); }
 
+bool is_gzip(std::string_view bytes) { return bytes.starts_with("\x1f\x8b"); }
+
 /// Source of the bytes.
 struct LineBlocks::Source {
     std::string name;
@@ -100,10 +102,10 @@ struct LineBlocks::Source {
         }
         struct stat status {};
         if (fstat(fd, &status) == 0) size = static_cast<std::size_t>(status.st_size);
-        unsigned char magic[2] = {0, 0};
+        char magic[2] = {0, 0};
         const bool has_magic = size >= 2 && pread(fd, magic, 2, 0) == 2;
-        if (has_magic && is_utf16({reinterpret_cast<const char*>(magic), 2})) convert_utf16();
-        if (has_magic && magic[0] == 0x1f && magic[1] == 0x8b) {
+        if (has_magic && is_utf16({magic, 2})) convert_utf16();
+        if (has_magic && is_gzip({magic, 2})) {
             gz = gzdopen(fd, "rb");
             if (gz == nullptr) throw computation_error(fmt::format("{}: no memory to decompress", name));
             fd = -1;  // closed by gzclose

@@ -33,6 +33,8 @@ private:
 [[nodiscard]] bool is_utf16(std::string_view bytes);
 /// Such text as UTF-8, without the mark; a half of a pair of surrogates becomes what it may.
 [[nodiscard]] std::string utf8_of_utf16(std::string_view bytes);
+/// True for bytes that gzip compressed.
+[[nodiscard]] bool is_gzip(std::string_view bytes);
 
 /// Delivers the input in blocks of whole lines, each terminated by '\n' (preceding carriage returns are kept; files with carriage
 /// returns only are converted). At least `padding` readable bytes follow each block, so that scanners may look ahead without
