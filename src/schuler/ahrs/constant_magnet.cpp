@@ -16,7 +16,7 @@ constexpr std::size_t sections = 6, enough_sections = 4, fewest_pairs = 20;
 
 std::optional<ConstantMagnet> find_constant_magnet(std::span<const ImuSample> imu, std::span<const MagSample> mag) {
     const Turning turning(imu);
-    const FieldTurns whole(turning, mag);
+    const FieldTurns whole(turning, reading_pairs(mag));
     if (!whole.enough()) return std::nullopt;
     const Eigen::Matrix3d as_given = Eigen::Matrix3d::Identity();
     const FieldTurns::Unexplained all = whole.unexplained(as_given);
@@ -26,7 +26,7 @@ std::optional<ConstantMagnet> find_constant_magnet(std::span<const ImuSample> im
     double spread = 0.0;
     for (std::size_t i = 0; i < sections; ++i) {
         const std::size_t from = mag.size() * i / sections, to = mag.size() * (i + 1) / sections;
-        const FieldTurns turns(turning, mag.subspan(from, to - from));
+        const FieldTurns turns(turning, reading_pairs(mag.subspan(from, to - from)));
         if (turns.size() < fewest_pairs) continue;
         const FieldTurns::Unexplained section = turns.unexplained(as_given);
         if (section.std > tolerance) continue;

@@ -48,19 +48,28 @@ std::optional<Matrix3d> Turning::between(Time a, Time b) const {
     return (at(k, b).conjugate() * at(i, a)).toRotationMatrix();
 }
 
-FieldTurns::FieldTurns(const Turning& turning, std::span<const MagSample> mag, double delay, std::size_t every) {
-    const Duration age = Duration::from_seconds(delay);
-    std::size_t first = 0, count = 0;
+std::vector<ReadingPair> reading_pairs(std::span<const MagSample> mag, std::size_t enough) {
+    std::vector<ReadingPair> all;
+    std::size_t first = 0;
     for (std::size_t m = 1; m < mag.size(); ++m) {
         const double span = (mag[m].time - mag[first].time).seconds();
         if (span < interval) continue;
-        const Vector3d &a = mag[first].field_b, &b = mag[m].field_b;
-        if (span < longest_step && count++ % every == 0 && a.allFinite() && b.allFinite()) {
-            const auto C = turning.between(mag[first].time - age, mag[m].time - age);
-            if (C && std::acos(std::clamp(0.5 * (C->trace() - 1.0), -1.0, 1.0)) > least_turn)
-                pairs_.push_back({a, b - a, *C - Matrix3d::Identity()});
-        }
+        if (span < longest_step && mag[first].field_b.allFinite() && mag[m].field_b.allFinite())
+            all.push_back({&mag[first], &mag[m]});
         first = m;
+    }
+    if (all.size() <= enough) return all;
+    std::vector<ReadingPair> out;
+    for (std::size_t i = 0; i < enough; ++i) out.push_back(all[i * all.size() / enough]);
+    return out;
+}
+
+FieldTurns::FieldTurns(const Turning& turning, std::span<const ReadingPair> readings, double delay) {
+    const Duration age = Duration::from_seconds(delay);
+    for (const auto& [first, second] : readings) {
+        const auto C = turning.between(first->time - age, second->time - age);
+        if (C && std::acos(std::clamp(0.5 * (C->trace() - 1.0), -1.0, 1.0)) > least_turn)
+            pairs_.push_back({first->field_b, second->field_b - first->field_b, *C - Matrix3d::Identity()});
     }
     for (const Pair& p : pairs_) {
         changes_ += p.change.squaredNorm();

@@ -7,6 +7,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include <cstddef>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -31,6 +33,14 @@ private:
     std::vector<int> broken_;            ///< number of intervals so far without a usable rate
 };
 
+/// Two readings 0.2 to 0.5 s apart.
+struct ReadingPair {
+    const MagSample *first, *second;
+};
+/// One after the other; if there are more than `enough`, those are spread over the log. `mag` must outlive them.
+[[nodiscard]] std::vector<ReadingPair> reading_pairs(std::span<const MagSample> mag,
+                                                     std::size_t enough = std::numeric_limits<std::size_t>::max());
+
 class FieldTurns {
 public:
     struct Unexplained {
@@ -39,8 +49,8 @@ public:
         double std = 0.0;                                       ///< T, one sigma of its least known component
     };
 
-    /// Pairs of readings 0.2 s apart. `delay`: s, age of a reading at its time. `every`: uses one of so many pairs.
-    FieldTurns(const Turning& turning, std::span<const MagSample> mag, double delay = 0.0, std::size_t every = 1);
+    /// `delay`: s, age of a reading at its time.
+    FieldTurns(const Turning& turning, std::span<const ReadingPair> readings, double delay = 0.0);
 
     [[nodiscard]] std::size_t size() const { return pairs_.size(); }
 

@@ -28,7 +28,7 @@ double downward(std::span<const ImuSample> imu, std::span<const MagSample> mag, 
 MagnetometerAxes recognise_axes(std::span<const ImuSample> imu, std::span<const MagSample> mag, double field_down) {
     MagnetometerAxes out;
     if (imu.size() < 2 || mag.size() < 2) return out;
-    const FieldTurns turns(Turning(imu), mag);
+    const FieldTurns turns(Turning(imu), reading_pairs(mag));
     if (!turns.enough()) return out;
     double best = std::numeric_limits<double>::infinity(), second = best, given = best;
     Matrix3d C = Matrix3d::Identity();

@@ -15,7 +15,8 @@ struct MagnetometerClock {
     double as_given = std::numeric_limits<double>::quiet_NaN();  ///< ... and with the times as given
 };
 
-/// Compares delays of up to half a second either way, where needed with all 24 orders and signs of the axes. Delays of less than 0.03 s are left to the heading channel, which estimates them.
+/// Compares delays of up to half a second either way, where needed with all 24 orders and signs of the axes; of the delays up to
+/// 1.2 s no other may explain the changes as well. Delays of less than 0.03 s are left to the heading channel, which estimates them.
 [[nodiscard]] MagnetometerClock find_delay(std::span<const ImuSample> imu, std::span<const MagSample> mag);
 
 }  // namespace schuler::ahrs

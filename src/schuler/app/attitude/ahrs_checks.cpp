@@ -1,4 +1,3 @@
-#include "schuler/ahrs/field_turns.h"
 #include "schuler/analysis/turn_agreement.h"
 #include "schuler/app/attitude/ahrs.h"
 #include "schuler/core/units.h"
@@ -44,14 +43,13 @@ void check_magnetometer(const AhrsInput& input, const analysis::TurnAgreement& f
                                                   "wrong unit? write it into the column's name, as in mag_x_gauss",
                                                   size));
     }
-    // a magnet on the sensor hides the rotation of the Earth's field from the correlation, but not once it is taken off
     constexpr double least_agreement = 0.6;
-    const bool explained = input.axes.explained > 1.0 - ahrs::unconvincing;
-    if (!explained && field.turned > enough_turned && field.correlation < least_agreement) {
+    if (field.turned > enough_turned && field.correlation < least_agreement) {
         warnings.add(
             "ahrs.mag.axes",
             fmt::format("the magnetometer does not turn with the gyro (correlation {:.2f}, 1 expected): are its axes "
-                        "those of the IMU, its times on the same clock? heading cannot be trusted; --six-axis leaves it out",
+                        "those of the IMU, its times on the same clock, is a magnet near it at times? heading cannot be trusted; "
+                        "--six-axis leaves it out",
                         field.correlation));
     }
     constexpr double longest_without = 10.0;
