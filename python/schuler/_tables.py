@@ -110,6 +110,9 @@ def _attribute(path, item, name):
         return ""
 
 
+FULL_COVARIANCES = ("covariance", "covariance_smoothed")
+
+
 def h5_tables(path):
     """Names of the tables in a run.h5: "solution", "innovations/gnss_position", ..."""
     found = []
@@ -117,7 +120,7 @@ def h5_tables(path):
         try:
             inside = _schuler.h5_names(path, "/" + group)
         except Error:       # a table in the root group
-            if group == "covariance":
+            if group in FULL_COVARIANCES:
                 found.append(group)
             continue
         if "time_ns" in inside or "time_s" in inside:
@@ -129,9 +132,9 @@ def h5_tables(path):
 
 def h5_table(path, name):
     """A group of a run.h5 as a table."""
-    if name == "covariance":
-        columns = {"time_s": _schuler.h5_table(path, "/covariance_time_s"), "covariance": _schuler.h5_table(path, "/covariance", "matrices")}
-        states = tuple(_attribute(path, "/covariance", "states").split(","))
+    if name in FULL_COVARIANCES:
+        columns = {"time_s": _schuler.h5_table(path, f"/{name}_time_s"), "covariance": _schuler.h5_table(path, f"/{name}", "matrices")}
+        states = tuple(_attribute(path, f"/{name}", "states").split(","))
         return Table(name, columns, {"time_s": "s", "covariance": "SI"}, {}, {"states": states})
     columns, units, components, attributes = {}, {}, {}, {}
     for item in sorted(_schuler.h5_names(path, "/" + name), key=lambda n: (not n.startswith("time"), n)):

@@ -65,6 +65,19 @@ def gravity(program, source):
     check(len(points) == found["epochs"] and abs(points[0]["geometry"]["coordinates"][1] - 55.8) < 0.1, "gravity.geojson has them too")
     check("Disturbance of gravity" in (folder / "g/report.html").read_text(), "the report shows it")
 
+    # The filter backward in time: the same estimate, and its difference from the forward one with a sigma.
+    both = json.loads(program("gravity", "survey.toml", "-o", "b", "--backward", "--json").stdout)
+    check(both["gravity"]["vertical_mgal"] == up and found["separation"] is None, "a backward filter changes nothing else")
+    for axis in ("vertical_mgal", "north_mgal", "east_mgal"):
+        check(both["gravity"]["separation"][axis]["inside_3sigma"] > 0.97, f"both filters agree within three sigma: {both['gravity']['separation']}")
+    check(both["separation"]["epochs"] > 100 and "separation up" in (folder / "b/report.html").read_text(), "positions are compared too; a plot")
+    head, *rows = [line.split(",") for line in (folder / "b/gravity.csv").read_text().splitlines()]
+    middle = dict(zip(head, rows[len(rows) // 2]))
+    check(0.0 < float(middle["std_separation_up_mgal"]) and abs(float(middle["separation_up_mgal"])) < 5 * float(middle["std_separation_up_mgal"]),
+          f"the table has it: {middle}")
+    campaign = json.loads(program("gravity", "survey.toml", "--backward", "--runs", "2", "--json").stdout)["errors"]
+    check("separation up" in campaign and campaign["separation up"]["nees"] > 0.0, "a campaign tells whether its sigma is right")
+
     # Simulated logs and a scenario give the same; a step injected into the logs is found.
     program("simulate", "survey.toml", "-o", "logs")
     again = json.loads(program("gravity", "logs", "-o", "h", "--json").stdout)["gravity"]["vertical_mgal"]

@@ -5,6 +5,7 @@
 #include "schuler/ins/state_error.h"
 
 #include <gtest/gtest.h>
+#include <Eigen/Eigenvalues>
 
 #include <cmath>
 
@@ -128,6 +129,47 @@ TEST(OutputPoint, SigmasHaveTheShareOfAttitudeAndRate) {
     const Eigen::Matrix<double, 6, 1> sigma = (J * all * J.transpose()).diagonal().cwiseSqrt();
     EXPECT_LT((row.std_position - sigma.head<3>()).norm(), 1e-4 * sigma.head<3>().norm());
     EXPECT_LT((row.std_velocity - sigma.tail<3>()).norm(), 1e-4 * sigma.tail<3>().norm());
+}
+
+TEST(Covariances, OfBothPassesBelongToTheRowsAndChangeNothing) {
+    Drive d = drive(10.0);
+    d.settings.output_at_antenna = false;
+    const Result without = fuse(d.recording, d.settings);
+    d.settings.covariance_rows = true;
+    d.settings.covariance_rate = 2.0;
+    const Result with = fuse(d.recording, d.settings);
+    int size = 0;
+    for (const LayoutBlock& block : with.states) size += block.size;
+    ASSERT_EQ(with.smoothed.covariances.size(), with.forward.covariances.size());
+    ASSERT_GT(with.forward.covariances.size(), 180u);
+    double forward = 0.0, smoothed = 0.0;
+    for (const auto& [t, plain] : {std::pair{&with.forward, &without.forward}, {&with.smoothed, &without.smoothed}}) {
+        ASSERT_EQ(t->rows.size(), plain->rows.size());
+        for (std::size_t i = 0; i < t->rows.size(); ++i)
+            ASSERT_LT(earth::ned_difference(d.settings.earth, t->rows[i].position, plain->rows[i].position).norm(), 1e-6);
+        auto row = t->rows.begin();
+        for (std::size_t k = 0; k < t->covariances.size(); ++k) {
+            const CovarianceRow& c = t->covariances[k];
+            EXPECT_EQ(c.time, with.forward.covariances[k].time);
+            const Eigen::Map<const Eigen::MatrixXd> P(c.covariance.data(), size, size);
+            row = std::ranges::find(row, t->rows.end(), c.time, &SolutionRow::time);
+            ASSERT_NE(row, t->rows.end());
+            EXPECT_LT((P.diagonal().head<3>().cwiseSqrt() - row->std_position).norm(), 1e-9 * row->std_position.norm());
+            EXPECT_LT((P.diagonal().segment<3>(3).cwiseSqrt() - row->std_velocity).norm(), 1e-9 * row->std_velocity.norm());
+            const Eigen::VectorXd scale = P.diagonal().cwiseSqrt();
+            const Eigen::MatrixXd correlation = scale.cwiseInverse().asDiagonal() * P * scale.cwiseInverse().asDiagonal();
+            EXPECT_LT((correlation - correlation.transpose()).norm(), 1e-6);
+            EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(correlation).eigenvalues().minCoeff(), -1e-9);
+            (t == &with.forward ? forward : smoothed) += P.diagonal().segment<3>(Layout::gyro_bias).sum();
+        }
+        // those of the biases are the ones of the states, which have rows of their own
+        const auto same = std::ranges::find(t->covariances, t->parameters.back().time, &CovarianceRow::time);
+        if (same == t->covariances.end()) continue;
+        for (int i = 9; i < size; ++i)
+            EXPECT_NEAR(std::sqrt(same->covariance[static_cast<std::size_t>(i * (size + 1))]),
+                        t->parameters.back().std[static_cast<std::size_t>(i - 9)], 1e-12);
+    }
+    EXPECT_LT(smoothed, forward);
 }
 
 TEST(OutputInstants, AreRowsAtTheirOwnTimesAndChangeNothing) {

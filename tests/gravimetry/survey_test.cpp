@@ -159,6 +159,55 @@ TEST(SurveySlow, AnomalyThatChangesAlongTheTrack) {
     RecordProperty("nees_smoothed", std::to_string(nees_smoothed));
 }
 
+// Second-order process, so that a state of it changes sign in reversed time. Forward and backward filter are compared with the truth,
+// and their difference with its sigma, from which the common priors are taken out.
+TEST(Survey, TheFilterBackwardInTimePartsFromTheForwardOneAsItsSigmaTells) {
+    Beliefs beliefs = papers_beliefs();
+    beliefs.attitude_n.setConstant(1e-4);
+    beliefs.disturbance.prior_n.setConstant(5e-5);
+    beliefs.disturbance.model = {filter::DisturbanceKind::SecondOrder, 5000.0, Vector3d::Constant(3e-4), false};
+    Vector3d parted = Vector3d::Zero(), backward = Vector3d::Zero(), gyros = Vector3d::Zero(), sum = Vector3d::Zero();
+    int count = 0;
+    const int seeds = 16;
+    for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+        math::Random random(seed, "disturbance");
+        sim::Scenario scenario = papers_scenario(sim::GreatCirclePath{start, 0.5, 60.0}, 800.0, seed);
+        scenario.anomaly = {{sim::AnomalyPart::Kind::GaussMarkov2, Vector3d::Constant(3e-4), 0.0, 5000.0},
+                            {sim::AnomalyPart::Kind::Constant, 5e-5 * random.normal3()}};
+        const sim::SimulatedData data = sim::simulate(scenario);
+        const Prepared prepared(scenario, data, beliefs, erring_start(scenario, data, beliefs));
+        const SurveyResult r = prepared.run({.smooth = false, .backward = true});
+        ASSERT_GT(r.separation.size() + 3, r.forward.size());
+        ASSERT_EQ(r.separation.size(), r.backward.size());
+        for (std::size_t i = 200; i < 640; i += 40, ++count) {
+            const SurveySeparation& d = r.separation[i];
+            const SurveyEpoch& b = r.backward[i];
+            EXPECT_EQ(d.time, b.time);
+            const auto f = std::ranges::find(r.forward, d.time, &SurveyEpoch::time);
+            ASSERT_NE(f, r.forward.end());
+            EXPECT_LT((f->disturbance_n - b.disturbance_n - d.difference_n).norm(), 1e-15);
+            const auto truth = std::ranges::find(data.sensor_truth, d.time, &sim::SensorTruth::time);
+            ASSERT_NE(truth, data.sensor_truth.end());
+            parted += d.difference_n.cwiseQuotient(d.sigma_n).cwiseAbs2();
+            backward += (b.disturbance_n - truth->disturbance_n).cwiseQuotient(b.sigma_disturbance_n).cwiseAbs2();
+            gyros += (b.gyro_bias - truth->gyro_bias).cwiseQuotient(b.sigma_gyro_bias).cwiseAbs2();
+            sum += d.sigma_n.cwiseQuotient((f->sigma_disturbance_n.cwiseAbs2() + b.sigma_disturbance_n.cwiseAbs2()).cwiseSqrt());
+            EXPECT_GT(b.nav.v_eb_e.dot(f->nav.v_eb_e), 3000.0);
+        }
+    }
+    for (int k = 0; k < 3; ++k) {
+        for (const Vector3d& mean : {Vector3d(parted / count), Vector3d(backward / count), Vector3d(gyros / count)}) {
+            EXPECT_GT(mean(k), 0.5) << k;
+            EXPECT_LT(mean(k), 1.7) << k;
+        }
+    }
+    // What both hold of the horizontal level is mostly the prior; a vertical slope that one filter lags behind the other runs ahead of.
+    sum /= count;
+    EXPECT_LT(sum.x(), 0.8);
+    EXPECT_LT(sum.y(), 0.8);
+    EXPECT_GT(sum.z(), 1.05);
+}
+
 /// No noise, no errors: what is left is the discretisation.
 Beliefs perfect_beliefs() {
     Beliefs b;

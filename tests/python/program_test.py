@@ -61,6 +61,12 @@ class Results(unittest.TestCase):
         np.testing.assert_allclose(P, np.swapaxes(P, 1, 2), rtol=1e-9, atol=1e-18)
         self.assertEqual(result.solution.time_ns.dtype, np.int64)
         np.testing.assert_allclose(np.sqrt(P[-1, 2, 2]), result.solution.std_position[-1, 2], rtol=0.05)
+        self.assertNotIn("covariance_smoothed", result.tables)
+        smoothed = schuler.process(drive(), outputs="h5,covariance", self_check=False, smooth=True)
+        self.assertIn("covariance_smoothed", smoothed.tables)
+        table = smoothed["covariance_smoothed"]
+        self.assertEqual(table.covariance.shape, smoothed["covariance"].covariance.shape)
+        np.testing.assert_allclose(np.sqrt(table.covariance[50, 2, 2]), smoothed.solution.std_position[50, 2], rtol=0.05)
 
     def test_tables_carry_units(self):
         self.assertEqual(self.result.solution.units["position"], ("deg", "deg", "m"))

@@ -140,9 +140,8 @@ struct Trajectory {
     std::vector<InstantRow> instants;           ///< those within the pass, in order
     std::vector<SensorErrorRow> sensor_errors;  ///< at most 1 Hz
     std::vector<ParameterRow> parameters;       ///< at most 1 Hz
-    std::vector<CovarianceRow>
-        covariances;               ///< at the output rate, of the forward pass only, if requested by Settings::covariance_rows
-    std::vector<StateRow> states;  ///< at most 1 Hz, forward pass only, if Settings::state_rows requests it
+    std::vector<CovarianceRow> covariances;     ///< at the output rate, if requested by Settings::covariance_rows
+    std::vector<StateRow> states;               ///< at most 1 Hz, forward pass only, if Settings::state_rows requests it
     std::vector<OutageEpoch> outage_epochs;
     std::vector<ProtectionRow> protection;  ///< one per epoch of ranges, forward pass only
 };

@@ -248,7 +248,7 @@ struct Settings {
         Eigen::Vector3d::Zero();        ///< m, IMU to a point whose solution is also output; zero: none
     bool output_at_antenna = false;     ///< the solution is the motion of the antenna instead of that of the unit
     std::vector<Time> output_instants;  ///< in order: additional output times (Trajectory::instants)
-    bool backward = false;              ///< run an additional filter backward in time (fusion/backward.h)
+    bool backward = false;              ///< run an additional filter backward in time (filter/update/reversed.h)
 };
 
 /// The slow errors of fixes are consider states: their estimates are not updated.

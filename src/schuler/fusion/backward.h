@@ -1,10 +1,4 @@
-// The filter backward in time over the same log: a second solution that uses the fixes still ahead of the forward one.
-//
-// With tau = -t a body obeys the same equations: position, attitude and specific force are unchanged, velocity and angular rate
-// change sign, and so does the Earth rate (centrifugal and Coriolis terms are even in both together). The increments are
-// processed in reverse order with reversed angles; gyro biases, clock drift and latency change sign as states, accelerometer
-// biases, scale factors, misalignments and lever arms do not. Stationary and random-walk processes are unchanged. The same filter
-// therefore runs over the reversed data (the backward filter of [Fraser1969]).
+// The filter backward in time over the same log (filter/update/reversed.h).
 #pragma once
 
 #include "schuler/fusion/run_pass.h"

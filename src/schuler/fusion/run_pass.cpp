@@ -69,14 +69,16 @@ private:
 template <class Frame>
 void smooth_back(const Pass<Frame>& pass, const InertialModel& model, const Settings& settings, double imu_interval,
                  const std::vector<FilterRun<Frame>>& checkpoints, std::size_t end, std::size_t block, const Progress& progress,
-                 Trajectory& out) {
+                 const Trajectory& forward, Trajectory& out) {
     Tape<Frame> tape(model);
     Time next_sensor{INT64_MAX};
+    auto covariance = forward.covariances.rbegin();  // next time in backward order that has a full one
     using Kind = typename Tape<Frame>::Kind;
     const auto report = [&](Kind kind, const typename Tape<Frame>::Point& point, const StateAdjoint& a) {
         InertialFilter<Frame> f = point.filter;
         const bool sensors = kind == Kind::Outage || point.time <= next_sensor;
-        smooth_in_place(model, f, a, sensors || model.at_antenna);
+        const bool full = kind == Kind::Output && covariance != forward.covariances.rend() && covariance->time == point.time;
+        smooth_in_place(model, f, a, sensors || full || model.at_antenna);
         const auto at_point = [&] {
             if (settings.output_lever_arm_b.isZero(0.0)) return solution_row(reported(model, f, point.undecided));
             return solution_row_at(model, f, reported_covariance(model, f, point.undecided), settings.output_lever_arm_b,
@@ -89,6 +91,10 @@ void smooth_back(const Pass<Frame>& pass, const InertialModel& model, const Sett
         if (kind == Kind::Output) {
             out.rows.push_back(solution_row(reported(model, f, point.undecided)));
             if (!settings.output_lever_arm_b.isZero(0.0)) out.point.push_back(at_point());
+            if (full) {
+                out.covariances.push_back(covariance_row(point.time, model.layout, f.P));
+                ++covariance;
+            }
             if (!sensors) return;
             next_sensor = point.time - Duration::from_seconds(sensor_row_spacing);
             const StateVector parameters = f.estimated_parameters();
@@ -116,6 +122,7 @@ void smooth_back(const Pass<Frame>& pass, const InertialModel& model, const Sett
     std::ranges::reverse(out.instants);
     std::ranges::reverse(out.sensor_errors);
     std::ranges::reverse(out.parameters);
+    std::ranges::reverse(out.covariances);
     std::ranges::reverse(out.outage_epochs);
 }
 
@@ -240,7 +247,8 @@ Result run_in(const RunData& data, const Settings& settings, const Start& start,
             if (checkpoints.empty()) checkpoints = rehearse(pass_with(openings), first, end).checkpoints;
         }
         const Pass<Frame> decided(model, data, settings, Rivalry::Decided, std::move(openings));
-        smooth_back(decided, model, settings, data.imu.median_dt, checkpoints, end, block, options.progress, result.smoothed);
+        smooth_back(decided, model, settings, data.imu.median_dt, checkpoints, end, block, options.progress, result.forward,
+                    result.smoothed);
     }
     return result;
 }

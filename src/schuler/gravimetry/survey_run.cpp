@@ -3,6 +3,8 @@
 #include "schuler/core/error.h"
 #include "schuler/filter/outputs.h"
 #include "schuler/filter/update/tape.h"
+#include "schuler/gravimetry/detail/survey_backward.h"
+#include "schuler/gravimetry/detail/survey_pass.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,9 +14,10 @@ namespace schuler::gravimetry {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-using Frame = filter::EarthFixedFrame;
-using Filter = filter::InertialFilter<Frame>;
-using FilterRun = filter::FilterRun<Frame>;
+using Frame = detail::SurveyFrame;
+using Filter = detail::SurveyFilter;
+using FilterRun = detail::SurveyFilterRun;
+using detail::survey_epoch;
 using filter::AidKind;
 using filter::Event;
 using filter::InertialModel;
@@ -23,32 +26,6 @@ using filter::Matrix9;
 
 namespace {
 
-/// P_n: covariance of position, velocity and attitude, local level.
-SurveyEpoch epoch_of(const InertialModel& model, const Filter& f, const Matrix9& P_n, std::size_t fix) {
-    const Layout& L = model.layout;
-    const estim::StateVector parameters = f.estimated_parameters();
-    const auto sigma = [](const auto& variances) { return Vector3d(variances.cwiseMax(0.0).cwiseSqrt()); };
-    SurveyEpoch e;
-    e.nav = f.estimated(model);
-    e.time = e.nav.time;
-    e.fix = fix;
-    const Matrix3d to_ned = model.disturbance.from_local_level(Frame::C_en(model.earth, e.nav)).transpose();
-    const auto turned = [&](const Matrix3d& block) { return sigma((to_ned * block * to_ned.transpose()).diagonal()); };
-    const auto block = [&f](int i, int j) { return Matrix3d(f.P.block<3, 3>(i, j)); };
-    const int s = L.gravity_constant, r = L.gravity_random;
-    e.disturbance_n = to_ned * filter::disturbance_of(L, parameters);
-    e.sigma_disturbance_n = turned(r < 0 ? block(s, s) : Matrix3d(block(s, s) + block(r, r) + block(s, r) + block(r, s)));
-    e.sigma_random_n = r < 0 ? Vector3d(Vector3d::Zero()) : turned(block(r, r));
-    e.sigma_position_n = sigma(P_n.diagonal().segment<3>(Layout::position));
-    e.sigma_velocity_n = sigma(P_n.diagonal().segment<3>(Layout::velocity));
-    e.sigma_attitude_n = sigma(P_n.diagonal().segment<3>(Layout::attitude));
-    e.accel_bias = parameters.segment<3>(Layout::accel_bias);
-    e.gyro_bias = parameters.segment<3>(Layout::gyro_bias);
-    e.sigma_accel_bias = sigma(f.P.diagonal().segment<3>(Layout::accel_bias));
-    e.sigma_gyro_bias = sigma(f.P.diagonal().segment<3>(Layout::gyro_bias));
-    return e;
-}
-
 /// An epoch starts with the position of a fix that is not withheld; simultaneous measurements belong to it.
 bool begins_epoch(const Event& event) {
     return event.kind == AidKind::GnssPosition && (event.components & 3) == 3 && !event.withheld;
@@ -56,8 +33,8 @@ bool begins_epoch(const Event& event) {
 
 class ForwardEpochs : public filter::PassObserver<Frame> {
 public:
-    ForwardEpochs(const InertialModel& model, SurveyResult& result, bool covariances)
-        : model_(model), result_(result), covariances_(covariances) {}
+    ForwardEpochs(const InertialModel& model, SurveyResult& result, bool covariances, bool rows_of_disturbance)
+        : model_(model), result_(result), covariances_(covariances), rows_of_disturbance_(rows_of_disturbance) {}
 
     void propagated(const Filter& f, double time) override {
         // Corrected for the estimated errors of a nominal state without feedback.
@@ -74,7 +51,7 @@ public:
             if (!epochs.empty()) count(epochs.back(), record);  // a velocity older or younger than its position
             return;
         }
-        SurveyEpoch e = epoch_of(model_, run.filter, run.covariance(model_), begins ? event.index : epochs.back().fix);
+        SurveyEpoch e = survey_epoch(model_, run.filter, run.covariance(model_), begins ? event.index : epochs.back().fix);
         if (begins) {
             e.f_n =
                 elapsed_ > 0.0 ? Vector3d(Frame::C_en(model_.earth, e.nav).transpose() * force_ / elapsed_) : Vector3d::Zero();
@@ -91,6 +68,8 @@ public:
         keep_states(run.filter, begins);
     }
 
+    std::vector<detail::DisturbanceRows> rows;  ///< of the epochs
+
 private:
     void keep_states(const Filter& f, bool begins) {
         const auto keep = [begins](auto& rows, auto row) {
@@ -99,6 +78,7 @@ private:
         };
         keep(result_.parameters, filter::parameter_row(f.time(), model_.layout, f.estimated_parameters(), f.P));
         if (covariances_) keep(result_.covariances, filter::covariance_row(f.time(), model_.layout, f.P));
+        if (rows_of_disturbance_) keep(rows, detail::disturbance_rows(model_, f));
     }
     static void count(SurveyEpoch& e, const filter::AidRecord& record) {
         const bool of_fix = filter::is_part_of_fix(record.kind);
@@ -109,7 +89,7 @@ private:
 
     const InertialModel& model_;
     SurveyResult& result_;
-    bool covariances_;
+    bool covariances_, rows_of_disturbance_;
     Vector3d force_ = Vector3d::Zero();  // integral since the last epoch, m/s
     double elapsed_ = 0.0;
 };
@@ -130,38 +110,6 @@ private:
     Time epoch_{INT64_MIN};
 };
 
-void open_systematic_part(const filter::Settings& settings, const InertialModel& model, FilterRun& run) {
-    Filter& f = run.filter;
-    filter::open_disturbance(settings.disturbance, model.layout, Frame::C_en(model.earth, f.nav), f.P);
-    if (!run.rival.empty()) open_systematic_part(settings, model, run.rival.front().run);
-}
-
-/// Runs to the end, with checkpoints if required.
-std::vector<FilterRun> run_along(const filter::Pass<Frame>& pass, const filter::RunData& data, const filter::Settings& settings,
-                                 const InertialModel& model, FilterRun& run, const SurveyOptions& options, bool keep,
-                                 filter::PassObserver<Frame>& observer) {
-    const std::vector<ImuIncrement>& imu = data.imu.increments;
-    std::vector<FilterRun> checkpoints;
-    std::size_t step = 0;
-    while (run.increment < imu.size()) {
-        pass.propagate_covariance(run, observer);
-        for (; step < options.steps.size() && options.steps[step] <= imu[run.increment].time; ++step)
-            open_systematic_part(settings, model, run);
-        if (keep) {
-            checkpoints.push_back(run);
-            checkpoints.back().rival.clear();
-        }
-        std::size_t end = std::min(imu.size(), run.increment + options.stretch);
-        if (step < options.steps.size()) {
-            const auto next = std::ranges::lower_bound(imu, options.steps[step], {}, &ImuIncrement::time);
-            end = std::min(end, static_cast<std::size_t>(next - imu.begin()));
-        }
-        pass.advance(run, end - 1, observer);
-        if (options.progress) options.progress(static_cast<double>(end) / static_cast<double>(imu.size()) * (keep ? 0.4 : 1.0));
-    }
-    return checkpoints;
-}
-
 }  // namespace
 
 filter::Settings gravity27(filter::Settings s, const filter::DisturbanceSettings& disturbance) {
@@ -180,26 +128,20 @@ SurveyResult run_survey(const filter::RunData& data, const filter::Settings& set
     settings.disturbance.model.check();
     const InertialModel model = make_model(settings, make_layout(settings, *data.recording));
     const filter::Pass<Frame> pass(model, data, settings, filter::Rivalry::Contest);
-    const auto begin = [&] {
-        FilterRun run = filter::first_step<Frame>(model, data, settings, start);
-        run.next_output = Time{INT64_MAX};
-        // Measurements at the start itself are used before the rate of the body is known.
-        while (run.event < data.events.size() && data.events[run.event].valid <= start.nav.time) ++run.event;
-        return run;
-    };
     SurveyResult result;
-    FilterRun run = begin();
+    FilterRun run = detail::begin_survey(model, data, settings, start);
     result.states.assign(model.layout.blocks().begin(), model.layout.blocks().end());
-    ForwardEpochs epochs(model, result, settings.covariance_rows);
-    std::vector<FilterRun> checkpoints = run_along(pass, data, settings, model, run, options, options.smooth, epochs);
+    ForwardEpochs epochs(model, result, settings.covariance_rows, options.backward);
+    std::vector<FilterRun> checkpoints = detail::run_along(pass, data, settings, model, run, options, options.smooth, epochs);
     if (result.forward.empty())
         throw input_error("no satellite fix lies within the IMU log", {}, "check the time stamps of both");
+    if (options.backward) detail::run_backward(data, settings, start, options, epochs.rows, result);
     if (!options.smooth) return result;
     const filter::Pass<Frame> decided(model, data, settings, filter::Rivalry::Decided, run.openings);
     if (run.sides_changed > 0) {  // repeated with the hypotheses that were finally accepted
         filter::PassObserver<Frame> nobody;
-        FilterRun right = begin();
-        checkpoints = run_along(decided, data, settings, model, right, options, true, nobody);
+        FilterRun right = detail::begin_survey(model, data, settings, start);
+        checkpoints = detail::run_along(decided, data, settings, model, right, options, true, nobody);
     }
     SurveyTape tape(model);
     Time last{INT64_MAX};
@@ -210,11 +152,14 @@ SurveyResult run_survey(const filter::RunData& data, const filter::Settings& set
             last = point.time;
             Filter f = point.filter;
             smooth_in_place(model, f, adjoint, true);
-            result.smoothed.push_back(epoch_of(model, f, filter::reported_covariance(model, f, point.undecided), 0));
+            result.smoothed.push_back(survey_epoch(model, f, filter::reported_covariance(model, f, point.undecided), 0));
             result.smoothed_parameters.push_back(filter::parameter_row(point.time, model.layout, f.estimated_parameters(), f.P));
+            if (settings.covariance_rows)
+                result.smoothed_covariances.push_back(filter::covariance_row(point.time, model.layout, f.P));
         });
     std::ranges::reverse(result.smoothed);
     std::ranges::reverse(result.smoothed_parameters);
+    std::ranges::reverse(result.smoothed_covariances);
     for (std::size_t i = 0; i < result.smoothed.size(); ++i) {
         const SurveyEpoch& f = result.forward[i];
         SurveyEpoch& s = result.smoothed[i];

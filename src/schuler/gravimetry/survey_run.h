@@ -28,13 +28,23 @@ struct SurveyEpoch {
     std::size_t fix = 0;                            ///< index into Recording::gnss
 };
 
+/// Disturbance of the forward filter, which has used the fixes up to an epoch, minus that of the backward one, which has used the
+/// later ones: north, east, down, m/s^2. What both take from their common priors (of the disturbance itself, of the instruments'
+/// constant errors) cancels, and does so in the sigma.
+struct SurveySeparation {
+    Time time;
+    Eigen::Vector3d difference_n, sigma_n;
+};
+
 struct SurveyResult {
     std::vector<SurveyEpoch> forward;
-    std::vector<SurveyEpoch> smoothed;        ///< empty if not requested; otherwise with one entry per forward epoch
-    std::vector<filter::AidRecord> aids;      ///< of the forward filter
-    std::vector<filter::LayoutBlock> states;  ///< of the filter, except navigation
-    std::vector<filter::ParameterRow> parameters, smoothed_parameters;  ///< of these, as many as forward and smoothed
-    std::vector<filter::CovarianceRow> covariances;  ///< of the forward filter, if Settings::covariance_rows requests it
+    std::vector<SurveyEpoch> backward;  ///< before the fixes of the epochs, without f_n, nis and fix; empty if not requested
+    std::vector<SurveySeparation> separation;  ///< at the same times
+    std::vector<SurveyEpoch> smoothed;         ///< empty if not requested; otherwise with one entry per forward epoch
+    std::vector<filter::AidRecord> aids;       ///< of the forward filter
+    std::vector<filter::LayoutBlock> states;   ///< of the filter, except navigation
+    std::vector<filter::ParameterRow> parameters, smoothed_parameters;     ///< of these, as many as forward and smoothed
+    std::vector<filter::CovarianceRow> covariances, smoothed_covariances;  ///< likewise, if Settings::covariance_rows requests it
 };
 
 /// Settings for gravity estimation derived from those for navigation: the preset gravity27. Loose coupling in Earth-fixed axes
@@ -44,6 +54,7 @@ struct SurveyResult {
 
 struct SurveyOptions {
     bool smooth = true;
+    bool backward = false;      ///< also a filter backward in time (filter/update/reversed.h)
     std::vector<Time> steps{};  ///< ascending: when the systematic part of the disturbance may have changed by its prior
     std::size_t stretch = 512;  ///< increments replayed at once by the smoother; one filter is kept per segment
     std::function<void(double)> progress{};

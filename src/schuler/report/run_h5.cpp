@@ -137,9 +137,9 @@ void add_states(io::TableWriter& file, const std::string& group, const std::vect
     }
 }
 
-/// The full covariance, epochs x n x n; the attribute `states` names its rows and columns.
-void add_covariances(io::TableWriter& file, const fusion::Result& result) {
-    const std::vector<filter::CovarianceRow>& rows = result.forward.covariances;
+/// Full covariances, epochs x n x n; the attribute `states` names their rows and columns.
+void add_covariances(io::TableWriter& file, const std::string& name, const fusion::Result& result,
+                     const std::vector<filter::CovarianceRow>& rows) {
     if (rows.empty()) return;
     std::string names;
     std::size_t size = 0;
@@ -150,10 +150,10 @@ void add_covariances(io::TableWriter& file, const fusion::Result& result) {
     std::vector<double> values;
     values.reserve(rows.size() * size * size);
     for (const filter::CovarianceRow& row : rows) values.insert(values.end(), row.covariance.begin(), row.covariance.end());
-    file.matrices("/covariance", values, size, {{"states", names}, {"units", "SI"}});
+    file.matrices(name, values, size, {{"states", names}, {"units", "SI"}});
     std::vector<double> times;
     for (const filter::CovarianceRow& row : rows) times.push_back(row.time.seconds());
-    file.table("/covariance_time_s", times, 1, {{"units", "s"}});
+    file.table(name + "_time_s", times, 1, {{"units", "s"}});
 }
 
 void add_sensor_truth(io::TableWriter& file, const std::vector<sim::SensorTruth>& rows) {
@@ -274,7 +274,8 @@ void write_run(io::TableWriter& file, const solution::ResultBundle& b) {
     add_separation(file, b.evaluation.separation);
     add_sensor_errors(file, "/sensor_errors", b.solution().sensor_errors);
     add_states(file, "/states", b.result.states, b.solution().parameters);
-    add_covariances(file, b.result);
+    add_covariances(file, "/covariance", b.result, b.result.forward.covariances);
+    add_covariances(file, "/covariance_smoothed", b.result, b.result.smoothed.covariances);
     add_sensor_truth(file, b.truth.sensors);
     add_fixes(file, b.data.recording.gnss);
     add_innovations(file, b.result.aids);

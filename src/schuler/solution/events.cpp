@@ -47,7 +47,7 @@ void warn_of_events_outside(const ResultBundle& b, WarningLog& warnings) {
                              rows.back().time.seconds(), outside.size() > 1 ? "s" : "", lines));
 }
 
-std::vector<Ignored> leave_out_chosen(LoadedDataset& data) {
+std::vector<Ignored> leave_out_chosen(LoadedDataset& data, bool has_backward) {
     fusion::Settings& f = data.config.filter;
     std::vector<Ignored> out;
     const auto tell = [&](bool given, const char* key) {
@@ -55,10 +55,10 @@ std::vector<Ignored> leave_out_chosen(LoadedDataset& data) {
     };
     tell(!f.output_lever_arm_b.isZero(0.0), "output.lever_arm_m");
     tell(!data.events.empty(), "output.events");
-    tell(f.backward, "filter.backward");
+    tell(f.backward && !has_backward, "filter.backward");
     f.output_lever_arm_b.setZero();
     f.output_instants.clear();
-    f.backward = false;
+    f.backward = f.backward && has_backward;
     data.events.clear();
     return out;
 }

@@ -18,7 +18,8 @@ struct EventRows {
 /// Warns of events outside the solution, with their line numbers.
 void warn_of_events_outside(const ResultBundle& bundle, WarningLog& warnings);
 
-/// Removes settings that require the navigation filter: output point, events, backward filter; with a warning each.
-[[nodiscard]] std::vector<Ignored> leave_out_chosen(LoadedDataset& data);
+/// Removes settings that require the navigation filter: output point, events, and unless the command has its own, the backward
+/// filter; with a warning each.
+[[nodiscard]] std::vector<Ignored> leave_out_chosen(LoadedDataset& data, bool has_backward = false);
 
 }  // namespace schuler::solution

@@ -91,7 +91,7 @@ struct RangeListener {
 [[nodiscard]] int intersystem_of(const RangeSource& source);
 
 /// Ranges in a filter whose layout has a clock. References are held. `backward`: the filter's time, velocities, rates and the
-/// Earth rotation are reversed (fusion/backward.h), those of the ranges are not.
+/// Earth rotation are reversed (filter/update/reversed.h), those of the ranges are not.
 template <class Frame>
 class RangeUpdate {
 public:

@@ -83,7 +83,7 @@ struct RunData {
     std::array<double, 4> slow_limits{};  ///< of the slow-ramp test by degrees of freedom
     Time origin{};                        ///< zero of the outage times
     std::vector<Time> instants;           ///< in order: the run stops there for PassObserver::instant
-    bool backward = false;  ///< time runs backward (fusion/backward.h): an instant precedes the measurements of its time
+    bool backward = false;  ///< time runs backward (filter/update/reversed.h): an instant precedes the measurements of its time
 };
 
 }  // namespace schuler::filter

@@ -161,10 +161,26 @@ GravityInnovations innovations_of(const GravityBundle& b) {
     return out;
 }
 
+GravitySeparation separation_of(const GravityBundle& b) {
+    GravitySeparation out;
+    Vector3d squares = Vector3d::Zero(), inside = Vector3d::Zero();
+    for (const gravimetry::SurveySeparation& s : b.survey.separation) {
+        if (s.time < b.run.evaluation.settled) continue;
+        squares += s.difference_n.cwiseAbs2();
+        inside += Vector3d((s.difference_n.array().abs() <= 3.0 * s.sigma_n.array()).cast<double>());
+        ++out.epochs;
+    }
+    if (out.epochs == 0) return out;
+    const auto n = static_cast<double>(out.epochs);
+    out.rms = (squares / n).cwiseSqrt();
+    out.inside_3sigma = inside / n;
+    return out;
+}
+
 /// From loaded data to the survey and its results. `asked`: keys of given settings.
 void estimate(GravityBundle& b, const std::set<std::string>& asked, WarningLog& warnings) {
     b.run.command = "gravity";
-    b.run.ignored = solution::leave_out_chosen(b.run.data);
+    b.run.ignored = solution::leave_out_chosen(b.run.data, true);
     std::ranges::move(solution::ignored_of(b.run, asked), std::back_inserter(b.run.ignored));
     solution::warn_of_ignored(b.run.ignored, warnings);
     settings::Config& c = b.run.data.config;
@@ -174,14 +190,17 @@ void estimate(GravityBundle& b, const std::set<std::string>& asked, WarningLog& 
     c.filter.smooth = c.gravity.smooth;
     const GravityInput input = gravity_input(b.run.data, warnings);
     const auto filter_begin = std::chrono::steady_clock::now();
-    b.survey = gravimetry::run_survey(input.data, input.filter, input.start, {.smooth = c.gravity.smooth, .steps = input.steps});
+    b.survey = gravimetry::run_survey(input.data, input.filter, input.start,
+                                      {.smooth = c.gravity.smooth, .backward = c.filter.backward, .steps = input.steps});
     b.run.result.filter_seconds = b.run.timing.filter_s = solution::seconds_since(filter_begin);
     b.run.result.forward = trajectory_of(c.filter.earth, b.survey.forward);
     if (c.gravity.smooth) b.run.result.smoothed = trajectory_of(c.filter.earth, b.survey.smoothed);
+    b.run.result.backward = trajectory_of(c.filter.earth, b.survey.backward).rows;
     b.run.result.states = std::move(b.survey.states);
     b.run.result.forward.parameters = std::move(b.survey.parameters);
     b.run.result.forward.covariances = std::move(b.survey.covariances);
     b.run.result.smoothed.parameters = std::move(b.survey.smoothed_parameters);
+    b.run.result.smoothed.covariances = std::move(b.survey.smoothed_covariances);
     fusion::Counters& n = b.run.result.counters;
     n.imu_epochs = input.data.imu.increments.size() - input.start.increment;
     n.imu_gaps = input.data.imu.gaps;
@@ -199,6 +218,7 @@ void estimate(GravityBundle& b, const std::set<std::string>& asked, WarningLog& 
     if (!b.run.truth.sensors.empty()) b.truth = truth_at(b.survey.forward, b.run.truth.sensors);
     b.errors = errors_of(b);
     b.innovations = innovations_of(b);
+    b.separation = separation_of(b);
     b.attainable = attainability(input, b.survey.forward, c.gravity);
     b.changes = gravity_changes(b, input);
     b.verdict = gravity_verdict(b);
@@ -221,6 +241,7 @@ std::vector<GravityRow> gravity_rows(const GravityBundle& b) {
     const std::optional<double> undulation = b.run.data.config.undulation;
     const auto& epochs = b.epochs();
     std::vector<GravityRow> out;
+    auto separated = b.survey.separation.begin();
     for (std::size_t i = 0; i < epochs.size(); ++i) {
         const SurveyEpoch& e = epochs[i];
         const SolutionRow row = row_of(earth, e);
@@ -243,6 +264,11 @@ std::vector<GravityRow> gravity_rows(const GravityBundle& b) {
         if (span > 0.0)
             r.vertical_acceleration =
                 -(row_of(earth, epochs[after]).v_eb_n.z() - row_of(earth, epochs[before]).v_eb_n.z()) / span;
+        while (separated != b.survey.separation.end() && separated->time < e.time) ++separated;
+        if (separated != b.survey.separation.end() && separated->time == e.time) {
+            r.separation_n = separated->difference_n;
+            r.sigma_separation_n = separated->sigma_n;
+        }
         if (!b.truth.empty()) r.truth_n = b.truth[i];
         r.classical = b.classical.down[i];
         if (!b.lines.line_of.empty()) {

@@ -72,6 +72,13 @@ struct GravityVerdict {
     std::vector<std::string> reasons;  ///< reasons against it
 };
 
+/// Forward minus backward filter after settling: north, east, down.
+struct GravitySeparation {
+    std::size_t epochs = 0;  ///< none without a backward filter
+    Eigen::Vector3d rms = not_given3();
+    Eigen::Vector3d inside_3sigma = not_given3();  ///< fraction of the epochs
+};
+
 /// Errors of the disturbance (estimate minus truth), north, east, down, m/s^2.
 struct GravityErrors {
     Eigen::Vector3d rms = not_given3();     ///< of the smoothed (or forward) disturbance after settling
@@ -107,6 +114,7 @@ struct GravityBundle {
     Attainability attainable;
     GravityErrors errors;
     GravityInnovations innovations;
+    GravitySeparation separation;
     std::vector<GravityChange> changes;  ///< one per step named in the settings
     GravityVerdict verdict;
     ClassicalGravity classical;
@@ -126,9 +134,10 @@ struct GravityRow {
     double eotvos = 0.0;                 ///< Eotvos term, m/s^2, positive for a reduction of apparent weight
     double vertical_acceleration = 0.0;  ///< of the vehicle, up, m/s^2
     Eigen::Vector3d truth_n = not_given3();
-    double classical = not_given;  ///< of the classical pipeline, down
-    double levelled = not_given;   ///< on a line, its level subtracted, down
-    int line = -1;                 ///< -1: not on a line
+    double classical = not_given;                                                    ///< of the classical pipeline, down
+    double levelled = not_given;                                                     ///< on a line, its level subtracted, down
+    int line = -1;                                                                   ///< -1: not on a line
+    Eigen::Vector3d separation_n = not_given3(), sigma_separation_n = not_given3();  ///< forward minus backward filter
 };
 [[nodiscard]] std::vector<GravityRow> gravity_rows(const GravityBundle& bundle);
 

@@ -42,7 +42,10 @@ constexpr std::array quantities{Quantity{"disturbance up", "mGal", units::mgal},
                                 Quantity{"gyro bias down", "deg/h", units::deg_per_hour},
                                 Quantity{"lines, resolved", "mGal", units::mgal},
                                 Quantity{"lines, levelled", "mGal", units::mgal},
-                                Quantity{"classical, rms - mean", "mGal", units::mgal}};
+                                Quantity{"classical, rms - mean", "mGal", units::mgal},
+                                Quantity{"separation up", "mGal", units::mgal},
+                                Quantity{"separation north", "mGal", units::mgal},
+                                Quantity{"separation east", "mGal", units::mgal}};
 
 /// Sigma is 0 if the filter states none.
 struct ErrorAndSigma {
@@ -64,6 +67,10 @@ SurveyErrors errors_of_survey(const GravityBundle& b) {
     // Level surveys: roll and pitch rotated by the heading are tilts about north and east.
     const SolutionRow& row = b.run.result.forward.rows.back();
     const double s = std::sin(row.rpy.z()), c = std::cos(row.rpy.z());
+    // Forward minus backward filter (with --backward) in the middle of the survey, where both have settled.
+    const gravimetry::SurveySeparation parted = b.survey.separation.empty()
+                                                    ? gravimetry::SurveySeparation{{}, not_given3(), Eigen::Vector3d::Zero()}
+                                                    : b.survey.separation[b.survey.separation.size() / 2];
     // Resolved in north, east and down; the sigmas are those of the body axes, as the conversion would require their covariance.
     const Eigen::Vector3d gyro = math::dcm_from_rpy(row.rpy) * (last.gyro_bias - b.run.truth.sensors.back().gyro_bias);
     return {{{dg.z(), sigma.z()},
@@ -82,7 +89,10 @@ SurveyErrors errors_of_survey(const GravityBundle& b) {
              {gyro.z()},
              {b.lines.resolved_spread},
              {b.lines.levelled_spread},
-             {b.classical.spread}}};
+             {b.classical.spread},
+             {parted.difference_n.z(), parted.sigma_n.z()},
+             {parted.difference_n.x(), parted.sigma_n.x()},
+             {parted.difference_n.y(), parted.sigma_n.y()}}};
 }
 
 SurveyRun survey_run(const GravityRequest& request, std::size_t run) {

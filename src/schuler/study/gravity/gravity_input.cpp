@@ -24,6 +24,7 @@ fusion::Result coarse(const solution::LoadedDataset& data, WarningLog& warnings)
     fusion::Settings s = data.config.filter;
     s.smooth = true;
     s.loop = fusion::Loop::Closed;  // filter.loop is that of the survey
+    s.backward = false;
     s.output_rate = 1.0;
     s.output_at_antenna = false;  // the survey is that of the unit
     fusion::Result result = fusion::run_filter(data.recording, s, warnings);

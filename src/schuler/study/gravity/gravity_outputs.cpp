@@ -54,6 +54,15 @@ report::ResultTable changes_of(const GravityBundle& b) {
     return table;
 }
 
+report::Json separation_json(const GravityBundle& b) {
+    if (b.separation.epochs == 0) return nullptr;
+    const auto of_one = [&](int axis) {
+        return report::Json{{"rms", in_mgal(b.separation.rms(axis))},
+                            {"inside_3sigma", report::json_number(b.separation.inside_3sigma(axis))}};
+    };
+    return {{"epochs", b.separation.epochs}, {"vertical_mgal", of_one(2)}, {"north_mgal", of_one(0)}, {"east_mgal", of_one(1)}};
+}
+
 /// Empty if there are no rows.
 std::string text_where_any(const report::ResultTable& table) { return table.rows.empty() ? "" : report::table_text(table); }
 
@@ -64,11 +73,15 @@ std::string field(double x, double unit, int decimals) {
 }  // namespace
 
 std::string gravity_csv(const GravityBundle& b, const std::vector<GravityRow>& rows) {
-    const bool truth = !b.truth.empty();
+    const bool truth = !b.truth.empty(), separation = !b.survey.separation.empty();
     std::string out =
         "time_s,distance_m,lat_deg,lon_deg,height_m,disturbance_east_mgal,disturbance_north_mgal,disturbance_up_mgal,"
         "std_disturbance_east_mgal,std_disturbance_north_mgal,std_disturbance_up_mgal,gravity_disturbance_mgal,"
         "free_air_anomaly_mgal,eotvos_mgal,vertical_acceleration_mgal,classical_mgal,line,levelled_mgal";
+    if (separation)
+        out +=
+            ",separation_east_mgal,separation_north_mgal,separation_up_mgal,std_separation_east_mgal,std_separation_north_mgal,"
+            "std_separation_up_mgal";
     out += truth ? ",true_east_mgal,true_north_mgal,true_up_mgal\n" : "\n";
     for (const GravityRow& r : rows) {
         const Vector3d d = earth::enu_from_ned(r.disturbance_n) / units::mgal, t = earth::enu_from_ned(r.truth_n);
@@ -79,6 +92,12 @@ std::string gravity_csv(const GravityBundle& b, const std::vector<GravityRow>& r
                            r.vertical_acceleration / units::mgal);
         out += fmt::format(",{:.4f},{},{}", r.classical / units::mgal, r.line < 0 ? std::string{} : fmt::format("{}", r.line + 1),
                            field(r.levelled, units::mgal, 4));
+        if (separation) {
+            const Vector3d s = earth::enu_from_ned(r.separation_n), sigma = earth::sigma_swapped(r.sigma_separation_n);
+            for (const Vector3d& v : {s, sigma})
+                out += fmt::format(",{},{},{}", field(v.x(), units::mgal, 4), field(v.y(), units::mgal, 4),
+                                   field(v.z(), units::mgal, 4));
+        }
         if (truth)
             out += fmt::format(",{},{},{}", field(t.x(), units::mgal, 4), field(t.y(), units::mgal, 4),
                                field(t.z(), units::mgal, 4));
@@ -125,6 +144,7 @@ std::string gravity_summary_json(const GravityBundle& b, std::size_t rows) {
                         {"low", report::json_number(b.innovations.low)},
                         {"high", report::json_number(b.innovations.high)},
                         {"epochs", b.innovations.epochs}}},
+                      {"separation", separation_json(b)},
                       {"usable", a.usable},
                       {"judged", {{"usable", b.verdict.usable}, {"reasons", b.verdict.reasons}}},
                       {"changes", report::table_json(changes_of(b))},
@@ -172,6 +192,13 @@ std::string gravity_tables(const GravityBundle& b) {
     }
     out += report::table_text(table);
     out += text_where_any(changes_of(b));
+    if (b.separation.epochs > 0) {
+        report::ResultTable parted{
+            "", {{"", "forward minus backward"}, {"", "rms", "mGal", ".3f"}, {"", "inside 3 sigma", "", ".1f%"}}};
+        for (const auto& l : lines)
+            parted.rows.push_back({l.name, b.separation.rms(l.axis) / units::mgal, b.separation.inside_3sigma(l.axis)});
+        out += report::table_text(parted);
+    }
     if (std::isfinite(b.classical.rms))
         out += fmt::format("classical pipeline, {:.3g} s: error of up {:.3f} rms, {:.3f} less its mean\n", b.classical.period,
                            b.classical.rms / units::mgal, b.classical.spread / units::mgal);

@@ -90,6 +90,26 @@ report::Panel error_panel(const GravityBundle& b) {
     return p;
 }
 
+/// Forward minus backward filter, with three sigma.
+report::Group separation_group(const GravityBundle& b) {
+    report::Group group{"Forward minus backward filter"};
+    for (const int axis : {2, 0, 1}) {
+        report::Panel p{fmt::format("separation {}", names[static_cast<std::size_t>(axis)]), "time, s", "mGal"};
+        std::vector<double> t, value, low, high;
+        for (const gravimetry::SurveySeparation& s : b.survey.separation) {
+            if (s.time < b.run.evaluation.settled) continue;
+            t.push_back(b.run.relative(s.time));
+            value.push_back(earth::enu_from_ned(s.difference_n)(axis) / mgal);
+            high.push_back(3.0 * earth::sigma_swapped(s.sigma_n)(axis) / mgal);
+            low.push_back(-high.back());
+        }
+        p.bands.push_back({"±3σ", t, low, high});
+        p.series.push_back({"forward minus backward", t, value});
+        group.panels.push_back(std::move(p));
+    }
+    return group;
+}
+
 report::Group terms_group(const std::vector<GravityRow>& rows) {
     const std::vector<double> t = times(rows);
     report::Panel eotvos{"Eotvos term", "time, s", "mGal"}, vertical{"vertical acceleration of the vehicle", "time, s", "mGal"};
@@ -170,6 +190,7 @@ std::string gravity_report_html(const GravityBundle& b, const std::vector<Gravit
         settling.panels.push_back(filter_panel(b));
         if (truth) settling.panels.push_back(error_panel(b));
         section.groups.push_back(std::move(settling));
+        if (b.separation.epochs > 0) section.groups.push_back(separation_group(b));
         section.groups.push_back(terms_group(rows));
         if (!b.lines.lines.empty()) section.groups.push_back(lines_group(b));
     }
