@@ -29,6 +29,14 @@ TEST(Grades, Adis16405HasItsLargeTurnOnBias) {
     EXPECT_NEAR(m.accel_turn_on_bias, 0.490333, 1e-6);
 }
 
+TEST(Grades, Stim300IsItsDataSheetInSi) {
+    const ImuErrorModel m = imu_grade("STIM300");
+    EXPECT_NEAR(m.gyro_noise, 4.3633e-5, 1e-9);         // 0.15 deg/sqrt(h)
+    EXPECT_NEAR(m.accel_noise, 1.16667e-3, 1e-8);       // 0.07 m/s/sqrt(h)
+    EXPECT_NEAR(m.accel_turn_on_bias, 7.355e-3, 1e-6);  // 0.75 mg
+    EXPECT_NEAR(m.gyro_misalignment, 1e-3, 2e-6);
+}
+
 TEST(Grades, BetterGradesAreBetterInEveryNumber) {
     const char* order[] = {"consumer", "mems", "tactical", "navigation", "perfect"};
     for (int i = 0; i + 1 < 5; ++i) {

@@ -1,6 +1,7 @@
 #include "schuler/settings/scenario/scenario.h"
 
 #include "schuler/core/units.h"
+#include "schuler/sensor/receivers.h"
 #include "schuler/settings/config/anomaly_options.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/settings/config/sections.h"
@@ -74,40 +75,22 @@ void add_imu(Table& table) {
                        [](auto& s) -> auto& { return s.sim.imu.warm_up_time; }));
 }
 
-/// The airliner's receiver of paper A: lower ends of the ranges recommended after (3.2.2), which gives no separate sigma for the
-/// white jump of the height.
-void set_duostar1000(sim::GnssSettings& g) {
-    g.white_position = {1.0, 1.0, 1.5};
-    g.white_velocity.setConstant(0.01);
-    g.errors.correlated_position = {5.0, 5.0, 7.0};
-    g.errors.correlated_velocity.setConstant(0.02);
-    g.errors.correlated_time = 2000.0;
-    g.errors.correlated_distance = 250e3;
-    g.errors.correlated_velocity_time = 20.0;
-    g.errors.change_white_position.setConstant(1.0);
-    g.errors.change_white_velocity.setConstant(0.02);
-    g.errors.change_correlated_position = {2.0, 2.0, 3.0};
-    g.errors.change_correlated_velocity.setConstant(0.01);
-}
-
-/// Receivers by name: sigmas of (3.2.1) and (3.2.2) used for a code-phase and a carrier-phase receiver.
+/// Receivers by name (sensor/receivers.h).
 Option<S> receiver_option() {
-    OptionSpec spec =
-        detail::spec("gnss.receiver", Shape::Text,
-                     "autonomous (1 m white, 1.5 m slowly varying), rtk (1 cm) or duostar1000 (paper A: 1 m white, 5 m slowly "
-                     "varying); the numbers below refine it");
-    spec.choices = {"autonomous", "rtk", "duostar1000"};
+    OptionSpec spec = detail::spec(
+        "gnss.receiver", Shape::Text,
+        "errors of the receiver: autonomous (1 m white, 1.5 m slowly varying), rtk (1 cm), duostar1000 (paper A: 1 m white, "
+        "5 m slowly varying), or a product by its data sheet; the numbers below refine it");
+    for (const std::string_view name : sensor::gnss_receiver_names()) spec.choices.emplace_back(name);
     return {std::move(spec),
             [](S& s, const Value& v) {
                 sim::GnssSettings& g = s.sim.gnss;
                 s.receiver = *v.text();
-                const bool rtk = s.receiver == "rtk";
-                g.white_position = rtk ? Eigen::Vector3d(0.01, 0.01, 0.02) : Eigen::Vector3d(1.0, 1.0, 2.0);
-                g.errors = {};
-                g.errors.correlated_position = rtk ? Eigen::Vector3d::Zero() : Eigen::Vector3d(1.5, 1.5, 3.0);
-                g.white_velocity = rtk ? Eigen::Vector3d(0.03, 0.03, 0.05) : Eigen::Vector3d(0.05, 0.05, 0.1);
-                g.fix = rtk ? FixType::RtkFixed : FixType::Autonomous;
-                if (s.receiver == "duostar1000") set_duostar1000(g);
+                const sensor::GnssReceiver receiver = sensor::gnss_receiver(s.receiver);
+                g.white_position = receiver.white_position;
+                g.white_velocity = receiver.white_velocity;
+                g.errors = receiver.errors;
+                g.fix = receiver.fix;
             },
             [](const S& s) { return s.receiver.empty() ? std::optional<Value>() : Value{s.receiver}; }};
 }
@@ -265,7 +248,8 @@ ScenarioConfig scenario_from(const SettingList& settings) {
     s.sim.imu.errors = sensor::imu_grade(s.grade);
     scenario_table().apply(settings, s);
     for (const Setting& setting : settings) s.given.insert(setting.key);
-    if (s.receiver == "duostar1000" && !s.given.contains("gnss.rate_hz")) s.sim.gnss.rate = 10.0;  // [PaperA:table 1.2.1]
+    if (!s.receiver.empty() && !s.given.contains("gnss.rate_hz"))
+        if (const double rate = sensor::gnss_receiver(s.receiver).rate; rate > 0.0) s.sim.gnss.rate = rate;
     for (const Setting& setting : settings)
         if (s.folder.empty() && setting.place.line > 0) s.folder = std::filesystem::path(setting.place.file).parent_path();
     s.processing.filter.vehicle = s.vehicle.value_or(vehicle_of(s.type));
