@@ -152,6 +152,19 @@ def gravity(program, source):
 
     # An open loop that has left its linear model is not to be used.
     not_to_be_used(program, source / "examples/gravity-car-5400s.toml", "-o", "far", "--loop", "open", "--seed", 801)
+    # ... also while only the horizontal channels and the innovations show it, without a truth, and over seeds.
+    (folder / "car.toml").write_text((source / "examples/gravity-car-5400s.toml").read_text().replace("duration_s = 5400", "duration_s = 2700"))
+    bad = not_to_be_used(program, "car.toml", "-o", "near", "--loop", "open", "--seed", 4)
+    check(any("north" in reason for reason in bad["judged"]["reasons"]), f"the horizontal components are judged: {bad['judged']}")
+    program("simulate", "car.toml", "-o", "car", "--seed", 4)
+    (folder / "car/reference.csv").unlink()
+    toml = folder / "car/dataset.toml"
+    toml.write_text("".join(line for line in toml.read_text().splitlines(keepends=True) if "reference.csv" not in line))
+    not_to_be_used(program, "car", "-o", "blind", "--loop", "open")
+    many = subprocess.run([program.path, "gravity", "car.toml", "--loop", "open", "--seed", "4", "--runs", "3"], cwd=program.folder, capture_output=True, text=True,
+                          timeout=200)
+    told = many.stdout + many.stderr
+    check("surveys are not to be used" in told and many.returncode == ("do not use: " in told), f"a campaign is judged: {many.returncode} {told!r}")
 
     # Logs that cannot show gravity say so instead of numbers.
     (folder / "poor.toml").write_text(SURVEY.replace('accel_turn_on_bias_mg = 1e-4', "accel_turn_on_bias_mg = 2"))

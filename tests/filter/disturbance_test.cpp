@@ -56,7 +56,7 @@ TEST(Disturbance, ProcessesStayInTheirStationaryStateAndForgetAsTheyShould) {
             model_of(kind, kind == DisturbanceKind::SecondOrder ? DisturbanceAxes::EarthFixed : DisturbanceAxes::LocalLevel);
         const Layout layout = layout_of(model);
         StateMatrix P = StateMatrix::Zero(estim::padded(layout.size), estim::padded(layout.size));
-        start_disturbance({true, model, Vector3d::Zero()}, layout, C_en, P);
+        start_disturbance({.estimate = true, .model = model, .prior_n = Vector3d::Zero()}, layout, C_en, P);
         const StateMatrix before = P;
         MatrixXd way = MatrixXd::Identity(P.rows(), P.cols());
         double distance = 0.0;

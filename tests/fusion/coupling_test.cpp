@@ -127,13 +127,31 @@ TEST(Integrity, TestsOfOneFix) {
 
 TEST(Integrity, ReadmissionTakesAgreementForItsTime) {
     IntegritySettings s;
-    ChannelHealth health;
+    ChannelHealth health, other;
     health.excluded = true;
-    for (int t = 0; t < 5; ++t) EXPECT_FALSE(readmits(health, true, Time::from_seconds(t), s));
-    EXPECT_FALSE(readmits(health, false, Time::from_seconds(5.0), s));
-    for (int t = 6; t < 16; ++t) EXPECT_FALSE(readmits(health, true, Time::from_seconds(t), s));
-    EXPECT_TRUE(readmits(health, true, Time::from_seconds(16.0), s));
+    for (int t = 0; t < 5; ++t) EXPECT_FALSE(readmits(health, other, true, Time::from_seconds(t), s));
+    EXPECT_FALSE(readmits(health, other, false, Time::from_seconds(5.0), s));
+    for (int t = 6; t < 16; ++t) EXPECT_FALSE(readmits(health, other, true, Time::from_seconds(t), s));
+    EXPECT_TRUE(readmits(health, other, true, Time::from_seconds(16.0), s));
     EXPECT_FALSE(health.excluded);
+}
+
+// A receiver that drifts by 0.3 m/s: its positions agree for long after its velocities no longer do.
+TEST(Integrity, PartsExcludedTogetherAreReadmittedTogether) {
+    IntegritySettings s;
+    ChannelHealth position, velocity;
+    position.excluded = velocity.excluded = position.together = velocity.together = true;
+    for (int t = 0; t < 60; ++t) {
+        EXPECT_FALSE(readmits(position, velocity, true, Time::from_seconds(t), s)) << t;
+        EXPECT_FALSE(readmits(velocity, position, false, Time::from_seconds(t), s)) << t;
+    }
+    for (int t = 60; t < 70; ++t) {
+        EXPECT_FALSE(readmits(position, velocity, true, Time::from_seconds(t), s)) << t;
+        EXPECT_FALSE(readmits(velocity, position, true, Time::from_seconds(t), s)) << t;
+    }
+    EXPECT_TRUE(readmits(position, velocity, true, Time::from_seconds(70.0), s));
+    EXPECT_FALSE(position.excluded);
+    EXPECT_FALSE(velocity.excluded);
 }
 
 /// An aircraft in a figure of eight with good sensors; started from the truth.

@@ -175,7 +175,7 @@ TEST(ImuTimeline, CalmBeforeAHoleDoesNotMakeItCertain) {
 
 /// A unit that hangs repeats itself to the last digit: those rows are a hole. One that always repeats (a coarse log) is left alone.
 TEST(ImuTimeline, ARowThatHangsIsNoMeasurement) {
-    const auto gaps_of = [](bool hangs, bool coarse) {
+    const auto gaps_of = [](bool hangs, bool coarse, bool noiseless = false) {
         std::vector<ImuSample> list = samples(2000, ImuKind::Rates, ImuStamp::End, [](int) { return false; });
         for (std::size_t i = 0; i < list.size(); ++i) {
             list[i].gyro += 1e-4 * Vector3d(std::sin(7.0 * static_cast<double>(i)), std::cos(5.0 * static_cast<double>(i)), 1.0);
@@ -183,9 +183,11 @@ TEST(ImuTimeline, ARowThatHangsIsNoMeasurement) {
             if (hangs && i > 700 && i <= 800) list[i].gyro = list[700].gyro;
         }
         WarningLog warnings;
-        const ImuTimeline timeline = make_imu_timeline(list, settings_of(ImuKind::Rates, ImuStamp::End), warnings);
-        return timeline.bridges.size();
+        ImuSettings settings = settings_of(ImuKind::Rates, ImuStamp::End);
+        settings.noiseless = noiseless;
+        return make_imu_timeline(list, settings, warnings).bridges.size();
     };
+    EXPECT_EQ(gaps_of(true, false, true), 0U);  // straight on, and simulated without noise
     EXPECT_EQ(gaps_of(false, false), 0U);
     EXPECT_EQ(gaps_of(true, false), 1U);
     EXPECT_EQ(gaps_of(false, true), 0U);

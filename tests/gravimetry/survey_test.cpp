@@ -230,7 +230,8 @@ sim::Scenario perfect_scenario(const sim::AnomalyPart& anomaly, double duration)
 }
 Flown perfectly_flown(const sim::AnomalyPart& anomaly, const filter::DisturbanceModel& model, double prior) {
     Beliefs beliefs = perfect_beliefs();
-    beliefs.disturbance = {true, model, Vector3d::Constant(prior), 1e-8, 1e-10};
+    beliefs.disturbance = {
+        .estimate = true, .model = model, .prior_n = Vector3d::Constant(prior), .slope = 1e-8, .curvature = 1e-10};
     return run(perfect_scenario(anomaly, 300.0), beliefs);
 }
 
@@ -341,7 +342,7 @@ TEST(Survey, AnOpenLoopCountsWithWhatItKnowsOfItsReference) {
     Beliefs beliefs = perfect_beliefs();
     beliefs.settings.loop = estim::Loop::Open;
     beliefs.disturbance = {
-        true, {filter::DisturbanceKind::RampAndFirstOrder, 5000.0, Vector3d::Zero()}, Vector3d::Constant(1e-9), 1e-6};
+        true, false, {filter::DisturbanceKind::RampAndFirstOrder, 5000.0, Vector3d::Zero()}, Vector3d::Constant(1e-9), 1e-6};
     beliefs.velocity = 2.0;
     beliefs.accel_bias = 1e-3;
     beliefs.gyro_bias = 2e-5;
@@ -408,6 +409,35 @@ TEST(Survey, AStepIsLookedForWhereItIsAnnounced) {
         EXPECT_LT(e.sigma_disturbance_n.z(), 5e-6) << i;
     }
     EXPECT_GT(std::abs(untold.smoothed[100].disturbance_n.z()), 4.0 * untold.smoothed[100].sigma_disturbance_n.z());
+}
+
+// The disturbance before the step is a state: what both sides have in common cancels in the sigma of the change.
+TEST(Survey, TheSigmaOfAChangeIsThatOfTheDifference) {
+    const sim::AnomalyPart step{sim::AnomalyPart::Kind::Step, {2e-4, -1e-4, 5e-5}, 300.0, 1.0, true};
+    Beliefs beliefs = papers_beliefs();
+    beliefs.disturbance.keep_before = true;
+    beliefs.disturbance.prior_n.setConstant(2e-4);
+    Vector3d nees = Vector3d::Zero(), ratio = Vector3d::Zero();
+    constexpr int seeds = 24;
+    for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+        sim::Scenario scenario = papers_scenario(sim::StaticPath{start, Vector3d::Zero()}, 600.0, seed);
+        scenario.anomaly = {step};
+        const sim::SimulatedData data = sim::simulate(scenario);
+        const Prepared survey(scenario, data, beliefs, erring_start(scenario, data, beliefs));
+        const Time at = data.recording.reference.front().time + Duration::from_seconds(300.0);
+        const SurveyResult r = survey.run({.smooth = false, .steps = {at}});
+        const SurveyEpoch& last = r.forward.back();
+        nees += (last.change_n - step.size_n).cwiseQuotient(last.sigma_change_n).cwiseAbs2() / seeds;
+        const auto before = std::ranges::find_if(r.forward, [&](const SurveyEpoch& e) { return e.time >= at; }) - 1;
+        ratio += last.sigma_change_n.cwiseQuotient(
+                     (last.sigma_disturbance_n.cwiseAbs2() + before->sigma_disturbance_n.cwiseAbs2()).cwiseSqrt()) /
+                 seeds;
+    }
+    for (int k = 0; k < 3; ++k) {
+        EXPECT_GT(nees(k), 0.4) << k;  // chi-square of 24, 99.8 %
+        EXPECT_LT(nees(k), 2.0) << k;
+        EXPECT_LT(ratio(k), 0.5) << k;  // the sum of both variances
+    }
 }
 
 TEST(Survey, ABlunderIsRefusedAndAnOutageBridged) {

@@ -45,6 +45,7 @@ TEST_F(Events, KeepTheirOrderNamesAndLines) {
     ASSERT_EQ(events.size(), 3u);
     EXPECT_EQ(events[0].name, "B");
     EXPECT_EQ(events[1].time.ns, 3'250'000'000);
+    EXPECT_EQ(events[1].name, "a, \"b\"");
     EXPECT_EQ(events[2].name, "");
     EXPECT_EQ(events[2].line, 5);
     std::vector<SolutionRow> rows(3);
@@ -57,6 +58,13 @@ TEST_F(Events, KeepTheirOrderNamesAndLines) {
     std::ofstream(folder() / "bad.csv") << "time_s,name\n1,x\nsoon,y\n";
     test::expect_parts(test::message_of([&] { (void)read_events_csv(TextInput(folder() / "bad.csv")); }),
                        {"bad.csv:3", "time_s"});
+    for (const char* time : {"nan", "abc"}) {
+        std::ofstream(folder() / "bad.csv") << "time_s,name\n" << time << ",x\n100,y\n";
+        test::expect_parts(test::message_of([&] { (void)read_events_csv(TextInput(folder() / "bad.csv")); }),
+                           {"bad.csv:2", "time_s", time});
+    }
+    std::ofstream(folder() / "units.csv") << "time_s,name\ns,-\n1,x\n";
+    EXPECT_EQ(read_events_csv(TextInput(folder() / "units.csv")).size(), 1u);
     std::ofstream(folder() / "bare.csv") << "t,name\n1,x\n";
     test::expect_parts(test::message_of([&] { (void)read_events_csv(TextInput(folder() / "bare.csv")); }),
                        {"bare.csv", "time_s"});

@@ -152,6 +152,19 @@ TEST(OptionTable, APresetOfALaterLayerSpeaksForItsStates) {
     // a coupling by its name leaves the states alone
     EXPECT_EQ(with("filter.preset=tight").coupling, fusion::Coupling::Tight);
     EXPECT_EQ(with("filter.preset=aggressive").loose_kind, fusion::LooseKind::Aggressive);
+    EXPECT_TRUE(with("filter.preset=tight").scale_factors);
+}
+
+// `simulate` writes a scheme into every dataset.toml.
+TEST(OptionTable, APresetOfALaterLayerSpeaksForItsCoupling) {
+    const SettingList base = config_table().read(parse_toml("[filter]\nscheme = \"loose\"\nloose = \"aggressive\"\n", "a"), "a");
+    const auto with = [&](const char* more) { return config_from(overlaid(base, {setting_from_text(more)})); };
+    EXPECT_EQ(with("filter.preset=tight").scheme, Scheme::Tight);
+    EXPECT_EQ(with("filter.preset=gnss").scheme, Scheme::Gnss);
+    EXPECT_EQ(with("filter.preset=loose").filter.loose_kind, fusion::LooseKind::Standard);
+    EXPECT_EQ(with("filter.preset=ins15").filter.loose_kind, fusion::LooseKind::Aggressive);
+    const SettingList tight = config_table().read(parse_toml("[filter]\npreset = \"tight\"\n", "a"), "a");
+    EXPECT_EQ(config_from(overlaid(tight, {setting_from_text("filter.scheme=separate")})).scheme, Scheme::Separate);
 }
 
 TEST(OptionTable, WhatWasUsedReadsBackTheSame) {

@@ -135,9 +135,11 @@ StateRow state_row(const Layout& layout, const NavState& nav, const StateVector&
 ParameterRow parameter_row(Time time, const Layout& layout, const StateVector& parameters, const StateMatrix& P) {
     ParameterRow row;
     row.time = time;
-    for (int i = 9; i < layout.size; ++i) {
-        row.value.push_back(parameters(i));
-        row.std.push_back(std::sqrt(std::max(0.0, P(i, i))));
+    const int slots = layout.phase >= 0 ? layout.phase : layout.source;  // assigned to sources and carriers as they come
+    for (int i = Layout::navigation; i < layout.size; ++i) {
+        const bool free = slots >= 0 && i >= slots && !(P(i, i) > 0.0);
+        row.value.push_back(free ? not_given : parameters(i));
+        row.std.push_back(free ? not_given : std::sqrt(std::max(0.0, P(i, i))));
     }
     return row;
 }

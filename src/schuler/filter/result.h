@@ -87,7 +87,9 @@ struct StateRow {
 /// Estimates and one sigma of every state after position, velocity and attitude, in the order of Result::states; SI units.
 struct ParameterRow {
     Time time{};
-    std::vector<double> value, std;
+    std::vector<double> value, std;  ///< NaN: a slot that no source or carrier has
+    std::vector<std::int16_t>
+        sources;  ///< of each slot of the block of sources: index into RangingLog::sources, -1: none; forward pass
 };
 
 /// The full covariance at one instant: column by column, states in the order of Result::states, here starting with position,
@@ -168,8 +170,9 @@ struct Findings {
     Eigen::Vector3d std_velocity_scale = Eigen::Vector3d::Ones();
     Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();  ///< m, used or estimated
     double gyro_noise = 0.0, accel_noise = 0.0;             ///< rad/sqrt(s), m/s/sqrt(s), used or estimated
-    Time started_at{};                                      ///< of the initial state
-    double heading = not_given, std_heading = not_given;    ///< rad, of the initial state
+    bool noise_asked = false, std_asked = false;  ///< imu.estimate_noise and gnss.estimate_std, off in the settings in force
+    Time started_at{};                            ///< of the initial state
+    double heading = not_given, std_heading = not_given;  ///< rad, of the initial state
     std::vector<TunedSetting> tuned;
     Time tuned_from{}, tuned_to{};             ///< span of the trial runs
     std::shared_ptr<const Settings> in_force;  ///< with all estimated values; null: as given

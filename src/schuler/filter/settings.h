@@ -56,6 +56,9 @@ struct ImuSettings {
     /// (filter/update/vibration.h). Not given: none, or fitted together with the noise.
     std::optional<double> gyro_vibration, accel_vibration;
     double gap_factor = 3.0;  ///< an interval longer than this multiple of the median is a gap
+    /// The unit is simulated without noise, whatever `errors` assumes: rows that repeat to the last digit are no sign that it hung.
+    /// Set where the given noise is zero.
+    bool noiseless = false;
 };
 
 /// GNSS: antenna, ages and noise.

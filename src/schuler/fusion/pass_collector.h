@@ -51,6 +51,9 @@ public:
         if (settings_.state_rows) result_.forward.states.push_back(state_row(model_.layout, nav, parameters, f.P, P));
         result_.forward.sensor_errors.push_back(sensor_error_row(time, model_.layout, parameters, f.P.diagonal()));
         result_.forward.parameters.push_back(parameter_row(time, model_.layout, parameters, f.P));
+        if (model_.layout.source < 0) return;
+        for (const RangeTracking::Slot& slot : run.ranges.slots)
+            result_.forward.parameters.back().sources.push_back(static_cast<std::int16_t>(slot.source));
     }
     void instant(const FilterRun<Frame>& run, std::size_t index) override {
         if (!options_.outputs) return;

@@ -112,7 +112,8 @@ ImuTimeline make_imu_timeline(const std::vector<ImuSample>& samples, const ImuSe
     ImuTimeline timeline;
     timeline.median_dt = median_step(samples);
     std::size_t hanging = 0;
-    const std::vector<bool> stuck = stuck_samples(samples, timeline.median_dt, hanging);
+    const std::vector<bool> stuck =
+        settings.noiseless ? std::vector<bool>(samples.size()) : stuck_samples(samples, timeline.median_dt, hanging);
     std::vector<ImuIncrement> intervals = intervals_of(samples, stuck, settings, timeline.median_dt, timeline.duplicates);
     const bool holes = std::ranges::any_of(intervals.begin() + 1, intervals.end(),
                                            [&](const ImuIncrement& v) { return is_hole(v.dt, timeline.median_dt, settings); });
@@ -122,7 +123,7 @@ ImuTimeline make_imu_timeline(const std::vector<ImuSample>& samples, const ImuSe
     } else {
         timeline.increments = std::move(intervals);  // avoids a second copy in the usual case
     }
-    const Doubts doubts = doubtful_stretches(timeline);
+    const Doubts doubts = settings.noiseless ? Doubts{} : doubtful_stretches(timeline);
     const std::vector<Bridge>& doubtful = doubts.stretches;
     timeline.doubtful = doubtful.size();
     timeline.bridges.insert(timeline.bridges.end(), doubtful.begin(), doubtful.end());

@@ -19,8 +19,25 @@ Matrix3d to_local_level(const InertialModel& model, const NavStateEcef& nav) {
     return model.disturbance.from_local_level(Frame::C_en(model.earth, nav)).transpose();
 }
 
+/// The clone becomes the disturbance as estimated now, with all its correlations.
+void keep_before(const Layout& L, Filter& f) {
+    const int to = L.gravity_before, s = L.gravity_constant, r = L.gravity_random;
+    const auto sum = [&](const auto& part) {
+        auto out = part(s);
+        if (r >= 0) out += part(r);
+        return out;
+    };
+    const Eigen::MatrixXd rows = sum([&](int i) { return Eigen::MatrixXd(f.P.block(i, 0, 3, f.P.cols())); });
+    f.P.block(to, 0, 3, f.P.cols()) = rows;
+    f.P.block(0, to, f.P.rows(), 3) = rows.transpose();
+    f.P.block(to, to, 3, 3) = sum([&](int i) { return Matrix3d(rows.block(0, i, 3, 3)); });
+    f.parameters.segment<3>(to) = sum([&](int i) { return Vector3d(f.parameters.segment<3>(i)); });
+    f.error.segment<3>(to) = sum([&](int i) { return Vector3d(f.error.segment<3>(i)); });
+}
+
 void open_systematic_part(const filter::Settings& settings, const InertialModel& model, FilterRun& run) {
     Filter& f = run.filter;
+    if (model.layout.gravity_before >= 0) keep_before(model.layout, f);
     filter::open_disturbance(settings.disturbance, model.layout, Frame::C_en(model.earth, f.nav), f.P);
     if (!run.rival.empty()) open_systematic_part(settings, model, run.rival.front().run);
 }
@@ -41,6 +58,16 @@ SurveyEpoch survey_epoch(const InertialModel& model, const Filter& f, const Matr
     const int s = L.gravity_constant, r = L.gravity_random;
     e.disturbance_n = to_ned * filter::disturbance_of(L, parameters);
     e.sigma_disturbance_n = turned(r < 0 ? block(s, s) : Matrix3d(block(s, s) + block(r, r) + block(s, r) + block(r, s)));
+    if (const int b = L.gravity_before; b >= 0) {
+        e.change_n = e.disturbance_n - to_ned * parameters.segment<3>(b);
+        Matrix3d common = f.P.block<3, 3>(s, b);
+        Matrix3d own = block(s, s);
+        if (r >= 0) {
+            common += f.P.block<3, 3>(r, b);
+            own += block(r, r) + block(s, r) + block(r, s);
+        }
+        e.sigma_change_n = turned(own + block(b, b) - common - common.transpose());
+    }
     e.sigma_random_n = r < 0 ? Vector3d(Vector3d::Zero()) : turned(block(r, r));
     e.sigma_position_n = sigma(P_n.diagonal().segment<3>(Layout::position));
     e.sigma_velocity_n = sigma(P_n.diagonal().segment<3>(Layout::velocity));

@@ -18,9 +18,10 @@ struct SurveyEpoch {
     NavStateEcef nav;
     Eigen::Vector3d disturbance_n;  ///< gravity minus normal gravity, north, east, down, m/s^2
     Eigen::Vector3d sigma_disturbance_n;
-    Eigen::Vector3d sigma_random_n;                      ///< of its random part alone, which varies along the track
-    Eigen::Vector3d sigma_attitude_n;                    ///< rad
-    Eigen::Vector3d sigma_velocity_n, sigma_position_n;  ///< m/s, m
+    Eigen::Vector3d sigma_random_n;  ///< of its random part alone, which varies along the track
+    Eigen::Vector3d change_n = not_given3(), sigma_change_n = not_given3();    ///< since before the last step, if `keep_before`
+    Eigen::Vector3d sigma_attitude_n;                                          ///< rad
+    Eigen::Vector3d sigma_velocity_n, sigma_position_n;                        ///< m/s, m
     Eigen::Vector3d accel_bias, gyro_bias, sigma_accel_bias, sigma_gyro_bias;  ///< body axes, m/s^2 and rad/s
     Eigen::Vector3d f_n = Eigen::Vector3d::Zero();  ///< mean specific force since the previous fix, of the forward filter, m/s^2
     double nis = 0.0;                               ///< normalised innovation squared of the fix, of the forward filter

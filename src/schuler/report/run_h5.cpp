@@ -137,8 +137,25 @@ void add_states(io::TableWriter& file, const std::string& group, const std::vect
     }
 }
 
+/// The satellite or station of each slot of the slow errors of ranges, as an index into the attribute `sources`, -1: none. The slots
+/// of a smoothed row are those of the forward row before it.
+void add_range_slots(io::TableWriter& file, const std::string& group, const RangingLog& log,
+                     const std::vector<filter::ParameterRow>& forward, const std::vector<filter::ParameterRow>& rows) {
+    if (rows.empty() || forward.empty() || forward.front().sources.empty()) return;
+    std::string names;
+    for (const RangeSource& s : log.sources) names += (names.empty() ? "" : ",") + s.name;
+    std::vector<double> values;
+    auto at = forward.begin();
+    for (const filter::ParameterRow& row : rows) {
+        while (at + 1 != forward.end() && (at + 1)->time <= row.time) ++at;
+        values.insert(values.end(), at->sources.begin(), at->sources.end());
+    }
+    file.table(group + "/range_slow_error_source", values, forward.front().sources.size(), {{"units", "1"}, {"sources", names}});
+}
+
 /// Full covariances, epochs x n x n; the attribute `states` names their rows and columns.
-void add_covariances(io::TableWriter& file, const std::string& name, const fusion::Result& result,
+/// `axes`: of position, velocity and attitude.
+void add_covariances(io::TableWriter& file, const std::string& name, const std::string& axes, const fusion::Result& result,
                      const std::vector<filter::CovarianceRow>& rows) {
     if (rows.empty()) return;
     std::string names;
@@ -150,7 +167,7 @@ void add_covariances(io::TableWriter& file, const std::string& name, const fusio
     std::vector<double> values;
     values.reserve(rows.size() * size * size);
     for (const filter::CovarianceRow& row : rows) values.insert(values.end(), row.covariance.begin(), row.covariance.end());
-    file.matrices(name, values, size, {{"states", names}, {"units", "SI"}});
+    file.matrices(name, values, size, {{"states", names}, {"units", "SI"}, {"axes", axes}});
     std::vector<double> times;
     for (const filter::CovarianceRow& row : rows) times.push_back(row.time.seconds());
     file.table(name + "_time_s", times, 1, {{"units", "s"}});
@@ -274,8 +291,11 @@ void write_run(io::TableWriter& file, const solution::ResultBundle& b) {
     add_separation(file, b.evaluation.separation);
     add_sensor_errors(file, "/sensor_errors", b.solution().sensor_errors);
     add_states(file, "/states", b.result.states, b.solution().parameters);
-    add_covariances(file, "/covariance", b.result, b.result.forward.covariances);
-    add_covariances(file, "/covariance_smoothed", b.result, b.result.smoothed.covariances);
+    add_range_slots(file, "/states", b.data.recording.ranges, b.result.forward.parameters, b.solution().parameters);
+    const bool ecef = b.data.config.filter.mechanization == fusion::Mechanization::Ecef;
+    const std::string axes = ecef ? "Earth-fixed x,y,z" : "north,east,down";
+    add_covariances(file, "/covariance", axes, b.result, b.result.forward.covariances);
+    add_covariances(file, "/covariance_smoothed", axes, b.result, b.result.smoothed.covariances);
     add_sensor_truth(file, b.truth.sensors);
     add_fixes(file, b.data.recording.gnss);
     add_innovations(file, b.result.aids);

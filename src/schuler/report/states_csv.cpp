@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <iterator>
 
 namespace schuler::report {
@@ -33,8 +34,10 @@ std::string states_csv(std::span<const filter::LayoutBlock> states, std::span<co
     text += '\n';
     for (const filter::ParameterRow& row : rows) {
         text += fmt::format("{:.9f}", row.time.seconds());
-        for (std::size_t i = 0; i < row.value.size(); ++i)
-            fmt::format_to(std::back_inserter(text), ",{:.9g},{:.6g}", row.value[i], row.std[i]);
+        for (std::size_t i = 0; i < row.value.size(); ++i) {
+            if (std::isnan(row.std[i])) text += ",,";  // of no satellite at this time
+            else fmt::format_to(std::back_inserter(text), ",{:.9g},{:.6g}", row.value[i], row.std[i]);
+        }
         text += '\n';
     }
     return text;

@@ -41,7 +41,9 @@ ResultBundle simulated_bundle(const settings::ScenarioConfig& scenario, const se
     const settings::ScenarioConfig described = with_states(assumed != nullptr ? *assumed : scenario, over);
     scenario::SimulatedDataset simulated =
         assumed != nullptr ? scenario::simulate_dataset(scenario, &described) : scenario::simulate_dataset(described);
-    const settings::Config config = settings::config_from(settings::overlaid(simulated.settings, over));
+    settings::Config config = settings::config_from(settings::overlaid(simulated.settings, over));
+    const sensor::ImuErrorModel& unit = scenario.sim.imu.errors;
+    config.filter.imu.noiseless |= unit.gyro_noise == 0.0 && unit.accel_noise == 0.0;  // whatever is assumed
     std::set<std::string> given;
     for (const settings::SettingList* list : {&std::as_const(simulated.settings), &over})
         for (const settings::Setting& s : *list) given.insert(s.key);

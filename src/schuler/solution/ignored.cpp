@@ -28,9 +28,11 @@ class Differing {
 public:
     explicit Differing(const settings::Config& config) : in_force_(settings::config_table().used(config)) {}
 
+    /// True for keys without a value of their own (ranges.clock stands for two others).
     bool operator()(const std::string& key) const {
         static const settings::SettingList defaults = settings::config_table().used(settings::Config{});
-        return value_in(in_force_, key) != value_in(defaults, key);
+        const std::string value = value_in(in_force_, key);
+        return value.empty() || value != value_in(defaults, key);
     }
 
 private:
@@ -59,17 +61,27 @@ bool ranges_state_all(const RangingLog& log, double RangeSample::*std) {
 /// A preset that is entirely overruled by other settings.
 std::string why_preset_is_overruled(const settings::Config& c) {
     if (c.preset == "gravity27") return "these states are those of `schuler gravity`";
+    if (const auto scheme = settings::scheme_of_preset(c.preset))
+        return unless(*scheme == c.scheme,
+                      fmt::format("filter.scheme is given too, and is \"{}\"", settings::scheme_name(c.scheme)));
     return unless(c.preset != "ins21" || c.filter.scale_factors, "filter.scale_factors is given too, and off");
 }
+
+constexpr const char* start_alone = "; it is used for the initial alignment only";
 
 std::vector<Rule> inertial_rules(const ResultBundle& b) {
     const settings::Config& c = b.data.config;
     const fusion::Settings& f = c.filter;
     const bool tight =
         c.scheme == settings::Scheme::Tight || c.scheme == settings::Scheme::Intermediate || c.scheme == settings::Scheme::Deep;
+    const bool separate = c.scheme == settings::Scheme::Separate;
+    // The start is found by runs of the loosely coupled filter.
+    const auto but_for_start = [&](bool effect, const char* reason) {
+        return unless(effect, std::string(reason) + (f.initial.rpy.allFinite() ? "" : start_alone));
+    };
     return {{{"filter.aggressive_parts"},
              unless(f.loose_kind == fusion::LooseKind::Aggressive, "filter.loose is not \"aggressive\"")},
-            {{"gnss.consider_errors"}, unless(c.scheme == settings::Scheme::Loose, "the scheme is not \"loose\"")},
+            {{"gnss.consider_errors"}, but_for_start(c.scheme == settings::Scheme::Loose, "the scheme is not \"loose\"")},
             {{"gnss.consider_errors"},
              unless(!f.gnss.errors.correlated_position.isZero(0.0) || !f.gnss.errors.correlated_velocity.isZero(0.0),
                     "the fixes have no slow errors (gnss.correlated_m, gnss.correlated_velocity_m_s)")},
@@ -91,10 +103,10 @@ std::vector<Rule> inertial_rules(const ResultBundle& b) {
              unless(f.aids.zero_velocity, "filter.zero_velocity is off")},
             {{"filter.zero_", "filter.nonholonomic", "filter.detect_wheels", "filter.constraint_rate_hz", "filter.floor_", "mag.",
               "odometer.", "heading.", "compass.", "gauges.", "log.", "vehicle.leeway_deg"},
-             unless(c.scheme != settings::Scheme::Separate,
-                    "the separate scheme is corrected by position, velocity and height alone")},
+             but_for_start(!separate, "the separate scheme is corrected by position, velocity and height alone")},
+            {{"imu.mounting_std_deg"}, unless(!separate, "the separate scheme uses no motion of the vehicle")},
             {{"gnss.use_velocity", "gnss.latency_std_s", "gnss.velocity_latency_std_s", "gnss.correlated_", "gnss.change_"},
-             unless(!tight, "the coupling takes ranges instead of fixes")},
+             but_for_start(!tight, "the coupling takes ranges instead of fixes")},
             {{"filter.zero_velocity_std_m_s", "filter.zero_rate_std_deg_s"},
              unless(std::ranges::any_of(b.result.aids, [](const auto& r) { return r.kind == fusion::AidKind::ZeroVelocity; }),
                     "no standstill was found")},
@@ -106,6 +118,8 @@ std::vector<Rule> inertial_rules(const ResultBundle& b) {
             {{"ranges.rate_m_s"},
              unless(!tight || !ranges_state_all(b.data.recording.ranges, &RangeSample::std_rate),
                     "the log states the sigmas of all rates")},
+            {{"ranges.use_stations"},
+             unless(std::ranges::any_of(b.data.recording.ranges.sources, &RangeSource::station), "there are no ground stations")},
             {{"ranges."}, unless(tight || (c.gnss.file.empty() && !b.data.recording.ranges.empty()), "no ranges are used")},
             {{"filter.self_check"}, unless(b.command == "process", "it belongs to `schuler process`")},
             {{"gravity.", "anomaly."}, "it belongs to `schuler gravity`"}};
@@ -114,22 +128,36 @@ std::vector<Rule> inertial_rules(const ResultBundle& b) {
 /// Settings disabled by gravimetry::gravity27 in `schuler gravity`. Without [initial], a prior run uses them to find the start.
 std::vector<Rule> gravity_rules(const ResultBundle& b) {
     const settings::Config& c = b.data.config;
-    const char* what = c.filter.initial.rpy.allFinite() ? "" : "; it is used for the initial alignment only";
+    const char* what = c.filter.initial.rpy.allFinite() ? "" : start_alone;
     const auto by_survey = [&](const char* reason) { return std::string(reason) + what; };
-    return {{{"filter.scheme"}, unless(c.scheme == settings::Scheme::Loose, by_survey("gravimetry is loosely coupled"))},
-            {{"filter.loose", "filter.aggressive_parts", "filter.separate.", "filter.protection.", "gnss.consider_errors"},
-             by_survey("gravimetry is loosely coupled and uses each fix at its time")},
-            {{"filter.mechanization"},
-             unless(c.filter.mechanization == fusion::Mechanization::Ecef, by_survey("gravimetry is Earth-fixed"))},
-            {{"filter.smooth"}, by_survey("gravity.smooth switches the smoother of gravimetry")},
-            {{"filter.integrity."}, by_survey("gravimetry does not exclude the receiver")},
-            {{"filter.zero_", "filter.nonholonomic", "filter.detect_wheels", "filter.constraint_rate_hz", "odometer."},
-             by_survey("gravimetry uses no wheels and no standstill")},
-            {{"output.at_antenna"}, "gravimetry is that of the unit"},
-            {{"mag."}, by_survey("gravimetry uses no magnetometer")},
-            {{"baro."}, unless(c.gravity.height_aid, by_survey("the barometer is used with gravity.height_aid only"))},
-            {{"filter.self_check"}, "it belongs to `schuler process`"},
-            {{"ranges.", "stations."}, by_survey("gravimetry uses no ranges")}};
+    return {
+        {{"filter.scheme"}, unless(c.scheme == settings::Scheme::Loose, by_survey("gravimetry is loosely coupled"))},
+        {{"filter.preset"}, unless(c.preset == "gravity27", by_survey("gravimetry has states of its own, those of gravity27"))},
+        {{"filter.loose", "filter.aggressive_parts", "filter.separate.", "filter.protection.", "gnss.consider_errors"},
+         by_survey("gravimetry is loosely coupled and uses each fix at its time")},
+        {{"filter.mechanization"},
+         unless(c.filter.mechanization == fusion::Mechanization::Ecef, by_survey("gravimetry is Earth-fixed"))},
+        {{"filter.smooth"}, by_survey("gravity.smooth switches the smoother of gravimetry")},
+        {{"filter.integrity."}, by_survey("gravimetry does not exclude the receiver")},
+        {{"filter.zero_", "filter.nonholonomic", "filter.detect_wheels", "filter.constraint_rate_hz", "odometer."},
+         by_survey("gravimetry uses no wheels and no standstill")},
+        {{"output.at_antenna"}, "gravimetry is that of the unit"},
+        {{"mag."}, by_survey("gravimetry uses no magnetometer")},
+        {{"baro."}, unless(c.gravity.height_aid, by_survey("the barometer is used with gravity.height_aid only"))},
+        {{"filter.self_check"}, "it belongs to `schuler process`"},
+        {{"ranges.", "stations."}, by_survey("gravimetry uses no ranges")}};
+}
+
+/// Files and outputs of single runs, which a campaign does not have.
+std::vector<Rule> campaign_rules(const ResultBundle& b) {
+    constexpr std::array<std::string_view, 4> of_a_run{"covariance", "states", "mat", "kml"};
+    const std::vector<std::string>& files = b.data.config.output.files;
+    const bool asked =
+        std::ranges::any_of(of_a_run, [&](std::string_view f) { return std::ranges::find(files, f) != files.end(); });
+    return {
+        {{"filter.backward", "output.events", "output.lever_arm_m"}, "a campaign keeps no solution of its runs"},
+        {{"output.files"},
+         unless(!asked || files == settings::Config{}.output.files, "a campaign writes summary.json, runs.csv and report.html")}};
 }
 
 std::vector<Rule> sensor_rules(const ResultBundle& b) {
@@ -159,9 +187,13 @@ std::vector<Rule> sensor_rules(const ResultBundle& b) {
         {{"compass."}, unless(f.heading.use && !r.heading.empty(), "no compass is used")},
         {{"gnss.observations", "gnss.navigation"},
          unless(raw || !c.ranges.file.empty(), "gnss.file gives the fixes, and the coupling is loose")},
-        {{"gnss.systems", "gnss.elevation_mask_deg", "gnss.ionosphere", "gnss.troposphere", "gnss.precise",
-          "gnss.phase_velocity"},
+        {{"gnss.elevation_mask_deg", "gnss.ionosphere", "gnss.troposphere"},
          unless(raw && (!c.raw.observations.empty() || !r.ranges.empty()), "no raw measurements are used")},
+        {{"gnss.systems", "gnss.cn0_mask_db_hz", "gnss.code_std_m", "gnss.doppler_std_m_s", "gnss.precise", "gnss.phase_velocity",
+          "gnss.raim"},
+         unless(raw && !c.raw.observations.empty(), raw && !r.ranges.empty()
+                                                        ? "the ranges are those of a table, not of observations"
+                                                        : "no raw measurements are used")},
         {{"base."},
          b.data.carrier.epochs.empty() ? c.base.observations.empty() ? "no base station is given (base.observations)"
                                          : !c.gnss.file.empty()      ? "gnss.file gives the fixes"
@@ -192,17 +224,43 @@ std::vector<Rule> sensor_rules(const ResultBundle& b) {
 std::vector<Ignored> ignored_of(const ResultBundle& b, const std::set<std::string>& given) {
     const Differing differs(b.data.config);
     std::vector<Rule> rules = b.command == "gravity" ? gravity_rules(b) : std::vector<Rule>{};  // the first match is used
+    if (b.command == "montecarlo") std::ranges::move(campaign_rules(b), std::back_inserter(rules));
     std::ranges::move(sensor_rules(b), std::back_inserter(rules));
     if (b.data.config.scheme == settings::Scheme::Gnss && b.command != "gravity")
-        rules.insert(rules.begin(),
-                     {{{"output.at_antenna"}, "the solution is that of the receiver"},
-                      {{"output.files"},
-                       unless(!b.data.config.output.wants("states") && !b.data.config.output.wants("covariance"),
-                              "\"states\" and \"covariance\" are those of a filter, and the scheme is \"gnss\"")},
-                      {{"filter.", "output.lever_arm_m", "output.events", "vehicle.", "mag.", "baro.", "odometer.", "heading.",
-                        "compass.", "gauges.", "log.", "ranges.", "gnss.lever_arm_m", "gnss.use_velocity", "gnss.latency_std_s",
-                        "gnss.velocity_latency_std_s", "gnss.correlated_", "gnss.change_", "gnss.consider_errors"},
-                       "the scheme is \"gnss\": there is no filter"}});
+        rules.insert(rules.begin(), {{{"output.at_antenna"}, "the solution is that of the receiver"},
+                                     {{"output.files"},
+                                      unless(!b.data.config.output.wants("states") && !b.data.config.output.wants("covariance"),
+                                             "\"states\" and \"covariance\" are those of a filter, and the scheme is \"gnss\"")},
+                                     {{"filter.",
+                                       "output.lever_arm_m",
+                                       "output.events",
+                                       "vehicle.",
+                                       "mag.",
+                                       "baro.",
+                                       "odometer.",
+                                       "heading.",
+                                       "compass.",
+                                       "gauges.",
+                                       "log.",
+                                       "ranges.",
+                                       "gnss.lever_arm_m",
+                                       "gnss.use_velocity",
+                                       "gnss.latency_std_s",
+                                       "gnss.velocity_latency_std_s",
+                                       "gnss.correlated_",
+                                       "gnss.change_",
+                                       "gnss.consider_errors",
+                                       "gnss.std_",
+                                       "gnss.velocity_std_scale",
+                                       "gnss.jitter_s",
+                                       "gnss.found_lever_arm_std_m",
+                                       "gnss.estimate_",
+                                       "imu.gyro_",
+                                       "imu.accel_",
+                                       "imu.estimate_",
+                                       "imu.mounting_",
+                                       "initial."},
+                                      "the scheme is \"gnss\": there is no filter"}});
     else if (b.command != "gravity") std::ranges::move(inertial_rules(b), std::back_inserter(rules));
     std::vector<Ignored> ignored;
     for (const std::string& key : given) {

@@ -104,6 +104,8 @@ public:
         fact.key = key;
         const std::optional<double> latency = b_.result.findings.in_force ? latency_in_force(f, key) : std::nullopt;
         if (latency) fact.value = *latency;
+        else if (key == "imu.estimate_noise" && f.in_force) fact.value = f.noise_asked;
+        else if (key == "gnss.estimate_std" && f.in_force) fact.value = f.std_asked;
         else if (value != used_.end()) fact.value = settings::fact_value_of(value->value);
         else if (found != nullptr) fact.value = found->value;
         else return std::nullopt;

@@ -21,13 +21,21 @@ std::optional<IntegrityTest> failed_test(const Examined& e, const ChannelHealth&
     return std::nullopt;
 }
 
-bool readmits(ChannelHealth& health, bool agrees, Time time, const IntegritySettings& settings) {
+bool readmits(ChannelHealth& health, ChannelHealth& other, bool agrees, Time time, const IntegritySettings& settings) {
     if (!agrees) {
         health.agrees.reset();
         return false;
     }
     if (!health.agrees) health.agrees = time;
-    if ((time - *health.agrees).seconds() < settings.readmission_time) return false;
+    const auto long_enough = [&](const ChannelHealth& h) {
+        return h.agrees && (time - *h.agrees).seconds() >= settings.readmission_time;
+    };
+    if (!long_enough(health)) return false;
+    if (health.together && other.excluded) {
+        if (!long_enough(other)) return false;
+        other = {};
+        other.used = time;
+    }
     health = {};
     health.used = time;
     return true;

@@ -153,8 +153,13 @@ AidStatus Pass<Frame>::examine(FilterRun<Frame>& run, Channel channel, const Aid
     std::optional<IntegrityTest> failed = failed_test(examined, health, s);
     if (!failed && record.nis > data_.gates.chi_square[record.dof]) failed = IntegrityTest::Innovation;
     if (health.excluded) {
-        if (!readmits(health, !failed, record.stamp, s)) return AidStatus::Excluded;
+        const std::size_t own = sub_vector(channel.kind);
+        ChannelHealth& other = run.health[1 - own];
+        const bool both = health.together && other.excluded;
+        if (!readmits(health, other, !failed, record.stamp, s)) return AidStatus::Excluded;
         observer.alert({record.stamp, channel.kind, IntegrityTest::Readmitted});
+        if (both)
+            observer.alert({record.stamp, own == 0 ? AidKind::GnssVelocity : AidKind::GnssPosition, IntegrityTest::Readmitted});
         return AidStatus::Accepted;
     }
     if (!failed) {
@@ -190,9 +195,11 @@ void Pass<Frame>::look_back(FilterRun<Frame>& run, const Event& event, Observer&
     observer.alert({event.stamp, event.kind, IntegrityTest::Slow});
     run.filter = oldest->filter;  // the solution from before the error
     for (CarriedFix& c : run.carried) c.left = 0;
+    const bool both = run.health[0].used && run.health[1].used;
     for (ChannelHealth& h : run.health) {
         h = {};
         h.excluded = true;
+        h.together = both;
     }
     for (Shadow<Frame>& s : run.shadows) s.alive = false;
 }

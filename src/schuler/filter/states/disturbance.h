@@ -74,6 +74,7 @@ struct DisturbanceModel {
 /// Settings for its estimation.
 struct DisturbanceSettings {
     bool estimate = false;
+    bool keep_before = false;  ///< the disturbance before its last change (open_disturbance) as states too: a clone
     DisturbanceModel model;
     /// Initial one sigma: of the systematic part north, east, down, m/s^2; of a polynomial's slope, m/s^2 per metre (per second
     /// if by time), and of its second derivative, m/s^2 per square metre (or second), each axis.

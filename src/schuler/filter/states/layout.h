@@ -35,6 +35,7 @@ public:
     int gravity_random = -1;         ///< 3, m/s^2, random part
     int gravity_slope = -1;          ///< 3, per metre (or second) along the track: of the random part, or of a polynomial
     int gravity_curvature = -1;      ///< 3, second derivative of the same
+    int gravity_before = -1;         ///< 3, m/s^2, clone of the whole disturbance before its last step
     int lever_arm = -1;              ///< 3, m, body
     int mounting = -1;               ///< 2: pitch and yaw of the vehicle's forward axis in body axes, rad
     int axle = -1;                   ///< 1, m, distance of the IMU ahead of the unsteered axle

@@ -40,6 +40,7 @@ Layout layout_with(const Settings& settings, const Sensors& sensors) {
     }
     if (settings.estimate_lever_arm) L.lever_arm = L.add("lever_arm", "m", 3);
     if (settings.disturbance.estimate) add_disturbance(settings.disturbance.model, L);
+    if (settings.disturbance.keep_before) L.gravity_before = L.add("gravity_before", "m/s^2", 3);
     if (settings.aids.nonholonomic || settings.aids.nonholonomic_auto) {
         L.mounting = L.add("mounting", "rad", 2);
         L.axle = L.add("axle", "m", 1);

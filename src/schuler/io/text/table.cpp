@@ -202,7 +202,7 @@ const char* TableReader::field_text(const char* p, std::string_view& text) const
     const char* start = p;
     if (*p == '"' || *p == '\'') {
         const char* close = p + 1;
-        while (*close != *start && !is_line_end(*close)) ++close;
+        while (!is_line_end(*close) && (*close != *start || close[1] == *start)) close += *close == *start ? 2 : 1;
         if (*close == *start) {
             text = trimmed({start + 1, static_cast<std::size_t>(close - start - 1)});
             p = close + 1;

@@ -37,6 +37,9 @@ struct TableLayout {
 /// Throws Error(Input): as LineBlocks, and if the file is empty.
 [[nodiscard]] TableLayout inspect_table(const TextInput& input);
 
+/// Text from between quotes: a quote in it is written twice.
+[[nodiscard]] std::string unquoted(std::string_view text, char quote);
+
 /// The fields of one line (without its line end), trimmed and unquoted.
 [[nodiscard]] std::vector<std::string> split_fields(std::string_view line, char delimiter);
 
@@ -74,6 +77,7 @@ public:
     [[nodiscard]] double number(std::size_t field) const { return numbers_[field]; }
     [[nodiscard]] std::int64_t time_ns(std::size_t field) const { return times_[field]; }
     /// Valid until the next row.
+    /// Without the quotes around it; one inside, which is written twice, is still there twice.
     [[nodiscard]] std::string_view text(std::size_t field) const { return texts_[field]; }
     [[nodiscard]] long line() const { return line_; }
     /// False if a required field of this row is missing or not a number.

@@ -209,6 +209,15 @@ bool has_decimal_comma(const TableLayout& layout) {
 
 }  // namespace
 
+std::string unquoted(std::string_view text, char quote) {
+    std::string out;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        out += text[i];
+        if (text[i] == quote && i + 1 < text.size() && text[i + 1] == quote) ++i;
+    }
+    return out;
+}
+
 std::vector<std::string> split_fields(std::string_view line, char delimiter) {
     std::vector<std::string> fields;
     const auto is_blank = [&](char c) { return c == ' ' || c == '\r' || (c == '\t' && delimiter != '\t'); };
@@ -222,9 +231,10 @@ std::vector<std::string> split_fields(std::string_view line, char delimiter) {
         }
         std::string field;
         if (line[p] == '"' || line[p] == '\'') {
-            const std::size_t close = line.find(line[p], p + 1);
+            std::size_t close = line.find(line[p], p + 1);
+            while (close < line.size() - 1 && line[close + 1] == line[p]) close = line.find(line[p], close + 2);
             const std::size_t stop = close == std::string_view::npos ? line.size() : close;
-            field = trimmed(line.substr(p + 1, stop - p - 1));
+            field = unquoted(trimmed(line.substr(p + 1, stop - p - 1)), line[p]);
             p = std::min(line.size(), stop + 1);
         }
         const std::size_t start = p;

@@ -55,6 +55,8 @@ Config config_from(const SettingList& settings) {
         // a grade alone is only an estimate of the noise
         config.filter.imu.estimate_noise = !given("imu.gyro_noise_deg_sqrt_h") && !given("imu.accel_noise_m_s_sqrt_h");
     }
+    const sensor::ImuErrorModel& unit = config.filter.imu.errors;
+    config.filter.imu.noiseless = unit.gyro_noise == 0.0 && unit.accel_noise == 0.0;
     if (config.preset == "complex22") {
         // The paper's recommended values for a stand-alone receiver, lower ends of its ranges (after (3.2.2)).
         sensor::GnssErrorModel& g = config.filter.gnss.errors;
@@ -94,8 +96,14 @@ Config config_from(const SettingList& settings) {
 SettingList overlaid(SettingList base, const SettingList& above) {
     const auto named = [&above](std::string_view key) { return std::ranges::find(above, key, &Setting::key) != above.end(); };
     if (named("imu.grade")) std::erase_if(base, [](const Setting& s) { return is_imu_number(s.key); });
-    if (named("filter.preset"))  // the states it represents
-        std::erase_if(base, [](const Setting& s) { return s.key == "filter.scale_factors" || s.key == "filter.misalignments"; });
+    if (const auto preset = std::ranges::find(above, "filter.preset", &Setting::key);
+        preset != above.end() && preset->value.text() != nullptr) {
+        const std::string& name = *preset->value.text();
+        std::array<std::string_view, 2> implied{"filter.scheme", "filter.loose"};
+        if (name == "gravity27") implied = {};
+        else if (!scheme_of_preset(name)) implied = {"filter.scale_factors", "filter.misalignments"};
+        std::erase_if(base, [&](const Setting& s) { return std::ranges::find(implied, s.key) != implied.end(); });
+    }
     if (named("ranges.clock"))
         std::erase_if(base, [](const Setting& s) { return s.key == "ranges.clock_h0_s" || s.key == "ranges.clock_h_minus2_hz"; });
     base.insert(base.end(), above.begin(), above.end());

@@ -81,8 +81,11 @@ struct Config : dataset::Description {
 /// @throws Error(Input) with the place of the setting.
 [[nodiscard]] Config config_from(const SettingList& settings);
 
-/// Layers of settings, the later ones over the earlier ones: the settings implied by a later imu.grade or ranges.clock are also discarded
-/// from earlier layers.
+/// The scheme of a preset of filter.preset that names a coupling; nothing for one that names states.
+[[nodiscard]] std::optional<Scheme> scheme_of_preset(std::string_view preset);
+
+/// Layers of settings, the later ones over the earlier ones: the settings implied by a later imu.grade, filter.preset or ranges.clock are
+/// also discarded from earlier layers.
 [[nodiscard]] SettingList overlaid(SettingList base, const SettingList& above);
 
 /// "key=value" of the command line. @throws Error(Input) for a missing '=' or an unknown key.

@@ -116,6 +116,11 @@ constexpr CouplingPreset coupling_presets[] = {
     {"tight", Scheme::Tight}, {"intermediate", Scheme::Intermediate},
     {"deep", Scheme::Deep}};
 
+const CouplingPreset* coupling_preset(std::string_view name) {
+    const auto* p = std::ranges::find(coupling_presets, name, &CouplingPreset::name);
+    return p == std::end(coupling_presets) ? nullptr : p;
+}
+
 /// A name for a group of settings; individually given ones take precedence because they come later in the table.
 Option<Config> preset_option() {
     OptionSpec spec = detail::spec(
@@ -129,8 +134,7 @@ Option<Config> preset_option() {
     return {std::move(spec),
             [](Config& c, const Value& v) {
                 c.preset = *v.text();
-                if (const auto* p = std::ranges::find(coupling_presets, c.preset, &CouplingPreset::name);
-                    p != std::end(coupling_presets)) {
+                if (const CouplingPreset* p = coupling_preset(c.preset); p != nullptr) {
                     c.scheme = p->scheme;
                     c.filter.loose_kind = p->kind;
                     return;
@@ -143,6 +147,11 @@ Option<Config> preset_option() {
 }
 
 }  // namespace
+
+std::optional<Scheme> scheme_of_preset(std::string_view preset) {
+    const CouplingPreset* p = coupling_preset(preset);
+    return p != nullptr ? std::optional(p->scheme) : std::nullopt;
+}
 
 void add_filter_options(OptionTable<Config>& table) {
     add_environment(table);

@@ -8,11 +8,14 @@
 #include "schuler/settings/scenario/scenario.h"
 #include "schuler/solution/bundle.h"
 #include "schuler/solution/fuse.h"
+#include "schuler/solution/ignored.h"
 #include "schuler/study/comparison/compare.h"
 #include "schuler/study/montecarlo/montecarlo.h"
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
+#include <set>
 #include <span>
 
 namespace schuler::study {
@@ -26,14 +29,18 @@ struct Kept {
     std::vector<std::array<double, 3>> nees;  ///< position, velocity, attitude, settled
     SquaredCourse course;
     bool report_wanted = false;
+    std::vector<solution::Ignored> ignored;  ///< of the first seed: settings without effect on the scheme
     std::string failure;
 };
 
-Kept kept_of(const settings::ScenarioConfig& flight, const settings::SettingList& over) {
+/// `asked`: keys of given settings that are checked for an effect.
+Kept kept_of(const settings::ScenarioConfig& flight, const settings::SettingList& over, const std::set<std::string>& asked) {
     Kept out;
     WarningLog unheard;
     solution::ResultBundle bundle = solution::simulated_bundle(flight, over, unheard);
     solution::fuse_and_evaluate(bundle, unheard, flight.sim.reference_rate, {});
+    bundle.command = "montecarlo";
+    if (!asked.empty()) out.ignored = solution::ignored_of(bundle, asked);
     out.run = compared_run(bundle, flight);
     out.run.course = {};
     out.run.receiver = {};
@@ -62,12 +69,18 @@ analysis::EnsembleConsistency nees_of(std::span<const Kept> runs, std::size_t bl
 }  // namespace
 
 CompareCampaign compare_campaign(const settings::ProcessRequest& request, std::size_t runs, int jobs) {
+    CompareCampaign c = compare_campaign(settings::scenario_settings(request.input, request.seed), request.over({}), runs, jobs,
+                                         request.progress);
+    c.version = request.version;
+    return c;
+}
+
+CompareCampaign compare_campaign(const settings::SettingList& base, const settings::SettingList& above, std::size_t runs,
+                                 int jobs, const std::function<void(double)>& progress) {
     const auto begin = std::chrono::steady_clock::now();
-    const settings::SettingList base = settings::scenario_settings(request.input, request.seed);
     const settings::ScenarioConfig scenario = settings::scenario_from(base);
     CompareCampaign c;
     c.name = scenario.name;
-    c.version = request.version;
     c.windows = scenario.windows;
     c.rules = scenario.window_rules;
     c.outages = scenario.outages;
@@ -83,25 +96,27 @@ CompareCampaign compare_campaign(const settings::ProcessRequest& request, std::s
             s.satellites = satellites;
         }
     }
+    std::set<std::string> asked;
+    for (const settings::Setting& s : above) asked.insert(s.key);
     std::vector<Kept> all(c.schemes.size() * runs);
     for_each_run(
         all.size(), jobs,
         [&](std::size_t job) {
             const SchemeCampaign& s = c.schemes[job / runs];
             const std::uint64_t seed = c.seeds[job % runs];
-            settings::SettingList over = request.over({}), drawn;
+            settings::SettingList over = above, drawn;
             over.insert(over.end(), s.scheme->settings.begin(), s.scheme->settings.end());
             try {
                 all[job] = kept_of(
                     with_satellites(settings::scenario_from(settings_of_run(base, scenario.vary, seed, job % runs, drawn)),
                                     s.satellites),
-                    over);
+                    over, job % runs == 0 ? asked : std::set<std::string>{});
             } catch (const Error& e) {
                 if (job == 0) throw;
                 all[job].failure = fmt::format("seed {}: {}", seed, e.what());
             }
         },
-        request.progress);
+        progress);
     for (std::size_t i = 0; i < c.schemes.size(); ++i) {
         SchemeCampaign& s = c.schemes[i];
         const std::span<const Kept> own(all.data() + i * runs, runs);
@@ -109,10 +124,21 @@ CompareCampaign compare_campaign(const settings::ProcessRequest& request, std::s
             s.course.add(k.course);
             s.numbers.push_back(k.run.numbers);
             s.windows.push_back(k.run.windows);
+            std::array<double, 3>& mean = s.run_nees.emplace_back();
+            for (std::size_t block = 0; block < 3; ++block) {
+                double sum = 0.0;
+                for (const std::array<double, 3>& e : k.nees) sum += e[block];
+                mean[block] = k.nees.empty() ? not_given : sum / (3.0 * static_cast<double>(k.nees.size()));
+            }
             if (!k.failure.empty()) s.failures.push_back(k.failure);
         }
         for (std::size_t block = 0; block < 3; ++block) s.nees[block] = nees_of(own, block);
     }
+    c.ignored = all.front().ignored;  // common to all schemes
+    for (std::size_t i = 1; i < c.schemes.size(); ++i)
+        std::erase_if(c.ignored, [&](const solution::Ignored& x) {
+            return std::ranges::find(all[i * runs].ignored, x.key, &solution::Ignored::key) == all[i * runs].ignored.end();
+        });
     c.report_wanted = all.front().report_wanted;
     c.wall_s = solution::seconds_since(begin);
     return c;
@@ -131,6 +157,9 @@ report::Outcome montecarlo_of_schemes(const settings::ProcessRequest& request, s
     write("runs.csv", campaign_runs_csv(c));
     if (c.report_wanted) write("report.html", report::render(campaign_report(c)));
     write("summary.json", out.json);  // last: when it exists, all other files exist
+    WarningLog without_effect;
+    solution::warn_of_ignored(c.ignored, without_effect);
+    out.warnings = without_effect.summary();
     for (const SchemeCampaign& s : c.schemes)
         for (const std::string& failure : s.failures) out.warnings.push_back(fmt::format("{}, {}", s.scheme->name, failure));
     return out;

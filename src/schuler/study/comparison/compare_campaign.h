@@ -9,6 +9,7 @@
 #include "schuler/settings/config/config.h"
 #include "schuler/settings/request.h"
 #include "schuler/settings/scenario/comparison.h"
+#include "schuler/solution/ignored.h"
 #include "schuler/study/comparison/compare_windows.h"
 
 #include <array>
@@ -37,9 +38,11 @@ struct SchemeCampaign {
     std::optional<std::size_t> satellites;               ///< compare.satellites
     std::vector<std::vector<double>> numbers;            ///< of each run, as compared_numbers(); empty: it failed
     std::vector<std::vector<WindowStatistics>> windows;  ///< of each run
-    std::array<analysis::EnsembleConsistency, 3> nees;   ///< position, velocity, attitude; NaN if the scheme has no covariance
-    SquaredCourse course;                                ///< of all runs together
-    std::vector<std::string> failures;                   ///< of the runs that failed, with their seed
+    std::vector<std::array<double, 3>>
+        run_nees;  ///< of each run, means of position, velocity, attitude, one expected; NaN: it failed
+    std::array<analysis::EnsembleConsistency, 3> nees;  ///< position, velocity, attitude; NaN if the scheme has no covariance
+    SquaredCourse course;                               ///< of all runs together
+    std::vector<std::string> failures;                  ///< of the runs that failed, with their seed
 };
 
 struct CompareCampaign {
@@ -51,6 +54,7 @@ struct CompareCampaign {
     std::vector<settings::OutageSpan> outages;  ///< of GNSS
     double duration = 0.0;                      ///< s, of the scenario
     std::string settings;                       ///< TOML
+    std::vector<solution::Ignored> ignored;     ///< given settings without effect on any scheme
     bool report_wanted = true;                  ///< output.files contains "report"
     double wall_s = 0.0;
 
@@ -61,6 +65,9 @@ struct CompareCampaign {
 /// same flights. Variations (montecarlo.vary) are drawn for each seed. The result does not depend on `jobs`. @throws Error: the
 /// first run of the first scheme fails.
 [[nodiscard]] CompareCampaign compare_campaign(const settings::ProcessRequest& request, std::size_t runs, int jobs);
+/// The same for the settings of a scenario, with settings of the processing over them.
+[[nodiscard]] CompareCampaign compare_campaign(const settings::SettingList& scenario, const settings::SettingList& over,
+                                               std::size_t runs, int jobs, const std::function<void(double)>& progress);
 
 /// Root mean squares over the seeds and NEES with the bounds for that number of independent runs; one more table per window.
 [[nodiscard]] std::string campaign_tables(const CompareCampaign& campaign);

@@ -137,19 +137,23 @@ std::string campaign_json(const CompareCampaign& c) {
         {"schemes", rows},
         // clang-format off
                         {"montecarlo", {{"runs", c.seeds.size()}, {"failed", failed}, {"runs_per_s", report::json_number(all / c.wall_s)}}},
-                        {"timing", {{"wall_s", c.wall_s}}}});
+                        {"timing", {{"wall_s", c.wall_s}}},
+        {"ignored", report::ignored_json(c.ignored)}});
     // clang-format on
 }
 
 std::string campaign_runs_csv(const CompareCampaign& c) {
     std::vector<report::TableColumn> columns = repeated_columns();
     columns.insert(columns.begin(), {"seed", ""});
+    columns.insert(columns.end(), {{"nees_velocity", ""}, {"nees_attitude", ""}});
     report::ResultTable table = table_of_schemes(c.name, c.with_satellites(), columns);
     for (const SchemeCampaign& s : c.schemes) {
         for (std::size_t r = 0; r < c.seeds.size(); ++r) {
             std::vector<report::Cell>& row = table.rows.emplace_back(row_of_scheme(*s.scheme, s.satellites, {}));
             row.emplace_back(c.seeds[r]);
             row.insert(row.end(), s.numbers[r].begin(), s.numbers[r].end());
+            row.resize(columns.size() - 2 + row_of_scheme(*s.scheme, s.satellites, {}).size());
+            row.insert(row.end(), s.run_nees[r].begin() + 1, s.run_nees[r].end());
         }
     }
     return report::table_csv(table);

@@ -61,9 +61,8 @@ struct GravityInnovations {
 /// Difference of the disturbance before and after a possible step. Constant errors of the accelerometers, which mask its level,
 /// do not mask a change while the attitude is constant.
 struct GravityChange {
-    double at = 0.0;  ///< s after the origin
-    Eigen::Vector3d change_n,
-        sigma_n;  ///< north, east, down, m/s^2; the sigma is an upper bound: errors common to both sides cancel
+    double at = 0.0;                    ///< s after the origin
+    Eigen::Vector3d change_n, sigma_n;  ///< north, east, down, m/s^2; errors common to both sides cancel
 };
 
 /// Whether the result may be used: evidence of the filter's own fixes, and of a simulated truth.

@@ -56,6 +56,7 @@ using SurveyErrors = std::array<ErrorAndSigma, quantities.size()>;
 struct SurveyRun {
     std::string name{};
     bool failed = false;
+    std::string reason{};  ///< against using it; empty: usable
     SurveyErrors errors{};
 };
 
@@ -108,6 +109,7 @@ SurveyRun survey_run(const GravityRequest& request, std::size_t run) {
         if (b.truth.empty())
             throw input_error("recorded data have no seeds", {one.input.string(), 0, 0, {}}, "--runs is for scenarios");
         out.errors = errors_of_survey(b);
+        if (!b.verdict.usable) out.reason = b.verdict.reasons.front();
     } catch (const Error& e) {
         if (e.kind() == ErrorKind::Input) throw;
         out.failed = true;
@@ -155,12 +157,20 @@ report::Outcome gravity_campaign(const GravityRequest& request) {
         report::put_row(errors[quantities[q].name], table.columns, table.rows.back());
     }
     out.tables = report::table_text(table);
+    const auto refused = std::ranges::count_if(runs, [](const SurveyRun& r) { return !r.reason.empty(); });
+    if (refused > 0) {
+        const SurveyRun& one = *std::ranges::find_if(runs, [](const SurveyRun& r) { return !r.reason.empty(); });
+        const std::string verdict = fmt::format("{} of {} surveys are not to be used, as: {}", refused, request.runs, one.reason);
+        out.usable = 2 * refused < request.runs;
+        if (out.usable) out.warnings.push_back(verdict);
+        else out.verdict = "do not use: " + verdict;
+    }
     const report::Json document{
         {"name", name},
         {"command", "gravity"},
         {"version", request.common.version},
         // clang-format off
-                        {"montecarlo", {{"runs", request.runs}, {"failed", failed}, {"runs_per_s", request.runs / seconds}}},
+                        {"montecarlo", {{"runs", request.runs}, {"failed", failed}, {"not_usable", refused}, {"runs_per_s", request.runs / seconds}}},
                         {"errors", errors}};
     // clang-format on
     out.json = report::text_of(document);

@@ -8,6 +8,8 @@
 #include "schuler/solution/loaded_dataset.h"
 #include "schuler/study/gravity/gravity.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -56,11 +58,11 @@ SolutionRow given_start(const fusion::InitialSettings& i, Time time) {
 fusion::DisturbanceSettings disturbance_of(const settings::GravityConfig& g) {
     const bool by_time = std::isfinite(g.time);
     const auto given = [](double x) { return std::isfinite(x) ? x : 0.0; };
-    return {true,
-            {g.model, by_time ? g.time : g.length, earth::sigma_swapped(g.sigma_enu), by_time, g.axes},
-            earth::sigma_swapped(g.prior_enu),
-            given(g.slope),
-            given(g.curvature)};
+    return {.estimate = true,
+            .model = {g.model, by_time ? g.time : g.length, earth::sigma_swapped(g.sigma_enu), by_time, g.axes},
+            .prior_n = earth::sigma_swapped(g.prior_enu),
+            .slope = given(g.slope),
+            .curvature = given(g.curvature)};
 }
 
 /// Constant errors of the receiver are slow errors with infinite correlation time.
@@ -219,7 +221,11 @@ GravityInput gravity_input(const solution::LoadedDataset& data, WarningLog& warn
     const fusion::FixScreen screen = fusion::screen_fixes(out.recording->gnss, out.filter, data.origin, warnings);
     run.events = fusion::make_events(*out.recording, out.filter, data.origin, warnings, screen);
     run.fix_noise = fusion::fix_noise(*out.recording, out.filter.gnss, warnings);
-    for (const double t : c.gravity.steps) out.steps.push_back(data.origin + Duration::from_seconds(t));
+    for (const double t : c.gravity.steps) {
+        out.steps.push_back(data.origin + Duration::from_seconds(t));
+        if (out.steps.back() <= out.start.nav.time || out.steps.back() >= imu.back().time)
+            warnings.add(fmt::format("gravity.steps_s {}", t), fmt::format("gravity.steps_s: {:g} s lies outside the survey", t));
+    }
     out.settings = beliefs_of(out.filter, out.start);
     out.motion = motion_of(out);
     return out;

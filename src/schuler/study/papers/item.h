@@ -50,7 +50,10 @@ struct PaperItem {
 [[nodiscard]] std::vector<PaperItem> paper_e_items();
 [[nodiscard]] std::vector<PaperItem> paper_e_laboratory();
 
-/// An embedded scenario with additional settings. @throws Error
+/// The settings of an embedded scenario, with additional ones. @throws Error
+[[nodiscard]] settings::SettingList paper_settings(std::string_view file, std::uint64_t seed,
+                                                   const settings::SettingList& over = {});
+/// The scenario of these. @throws Error
 [[nodiscard]] settings::ScenarioConfig paper_scenario(std::string_view file, std::uint64_t seed,
                                                       const settings::SettingList& over = {});
 

@@ -53,9 +53,9 @@ PaperResult table_of(const char* vehicle) {
                 t.push_back(s);
                 x.push_back((flight.transition(s) * paper_initial_errors(set))(i));
             }
-            report::Panel panel{fmt::format("set {}", sets[static_cast<std::size_t>(set)]), "time, s",
-                                error_names[static_cast<std::size_t>(i)]};
-            panel.series.push_back(paper_curve(error_names[static_cast<std::size_t>(i)], t, x));
+            const char* name = error_names[static_cast<std::size_t>(i)];
+            report::Panel panel{fmt::format("{}, set {}: {}", vehicle, sets[static_cast<std::size_t>(set)], name), "time, s", name};
+            panel.series.push_back(paper_curve(name, t, x));
             out.panels.push_back(std::move(panel));
         }
     }

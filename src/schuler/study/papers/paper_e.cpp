@@ -107,8 +107,9 @@ PaperResult coloured(const PaperWork& w) {
     };
     const double mg = 5e-5 / units::mg;
     // clang-format off
-    const std::array<Kind, 3> kinds{{{"mu 0.01", {{"imu.accel_bias_mg", {mg}, {}}, {"imu.accel_bias_time_s", {100.0}, {}}}},
+    const std::array<Kind, 4> kinds{{{"mu 0.01", {{"imu.accel_bias_mg", {mg}, {}}, {"imu.accel_bias_time_s", {100.0}, {}}}},
                                      {"mu 0.1", {{"imu.accel_bias_mg", {mg}, {}}, {"imu.accel_bias_time_s", {10.0}, {}}}},
+                                     {"mu 1", {{"imu.accel_bias_mg", {mg}, {}}, {"imu.accel_bias_time_s", {1.0}, {}}}},
                                      {"white", {{"imu.accel_noise_m_s_sqrt_h", {1e-4 / std::sqrt(2.0) * 60.0}, {}}}}}};
     // clang-format on
     struct One {
@@ -188,12 +189,16 @@ PaperResult figure_4(const PaperWork& w) {
                                {"smoother", "smoother"},
                                {"smoother_lag_deg", "its lag", "deg"}}};
     std::vector<double> f, gf, pf, gs, ps;
+    // A lag beyond half a period follows on from that of the longer periods.
+    const auto on_from = [](const std::vector<double>& before, double lag) {
+        return before.empty() ? lag : before.back() + std::remainder(lag - before.back(), 360.0);
+    };
     for (const GravityResponse::At& m : r.at) {
         f.push_back(1.0 / m.period);
         gf.push_back(m.forward.gain);
         gs.push_back(m.smoothed.gain);
-        pf.push_back(m.forward.lag / units::deg);
-        ps.push_back(m.smoothed.lag / units::deg);
+        pf.push_back(on_from(pf, m.forward.lag / units::deg));
+        ps.push_back(on_from(ps, m.smoothed.lag / units::deg));
         table.rows.push_back({m.period, f.back(), gf.back(), pf.back(), gs.back(), ps.back()});
     }
     gain.series = {paper_curve("filter", f, gf, report::Ink::Vermillion), paper_curve("smoother", f, gs)};

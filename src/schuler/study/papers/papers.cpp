@@ -67,6 +67,8 @@ report::ResultTable comparison_of(const Made& m) {
     for (const Row& r : m.rows) {
         const PrintedValue& v = *r.printed;
         std::string remark = r.agreement == Agreement::Agrees ? "" : v.remark;
+        if (r.agreement == Agreement::Agrees && v.tolerance && !agrees_exactly(v, r.ours))
+            remark = fmt::format("within the {:g} % allowed for runs, seed and reading", 100.0 * *v.tolerance);
         if (r.agreement == Agreement::Misprint || r.agreement == Agreement::Explained)
             remark = "right: " + v.right + "; " + remark;
         table.rows.push_back({v.key, v.quantity, v.unit, statement_of(v), v.printed, v.right, r.ours, share_of(r),
@@ -213,12 +215,16 @@ const std::vector<PaperItem>& paper_items() {
     return all;
 }
 
-settings::ScenarioConfig paper_scenario(std::string_view file, std::uint64_t seed, const settings::SettingList& over) {
+settings::SettingList paper_settings(std::string_view file, std::uint64_t seed, const settings::SettingList& over) {
     const std::string origin(file);
     settings::SettingList all = settings::scenario_table().read(settings::parse_toml(embedded_file(file), origin), origin);
     all.push_back({"seed", {static_cast<std::int64_t>(seed)}, {}});
     all.insert(all.end(), over.begin(), over.end());
-    return settings::scenario_from(all);
+    return all;
+}
+
+settings::ScenarioConfig paper_scenario(std::string_view file, std::uint64_t seed, const settings::SettingList& over) {
+    return settings::scenario_from(paper_settings(file, seed, over));
 }
 
 double paper_rms(const std::vector<double>& x) {

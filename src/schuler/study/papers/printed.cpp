@@ -127,6 +127,12 @@ Agreement agreement_of(const PrintedValue& v, double ours) {
     return v.misprint ? Agreement::Misprint : Agreement::Explained;
 }
 
+bool agrees_exactly(const PrintedValue& v, double ours) {
+    PrintedValue strict = v;
+    strict.tolerance.reset();
+    return std::isfinite(ours) && holds(strict, ours);
+}
+
 std::vector<PrintedItem> printed_items_from(std::string_view toml, const std::string& origin) {
     std::vector<PrintedItem> out;
     for (const auto& [name, v] : settings::parse_toml(toml, origin)) {

@@ -41,6 +41,8 @@ enum class Agreement {
 };
 [[nodiscard]] const char* name_of(Agreement agreement);
 [[nodiscard]] Agreement agreement_of(const PrintedValue& value, double ours);
+/// Without the tolerance.
+[[nodiscard]] bool agrees_exactly(const PrintedValue& value, double ours);
 
 /// "1.2e-3", "pi/2".
 [[nodiscard]] double number_of(const std::string& printed);
