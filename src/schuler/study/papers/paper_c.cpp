@@ -54,7 +54,8 @@ PaperResult table_of(const char* vehicle) {
                 x.push_back((flight.transition(s) * paper_initial_errors(set))(i));
             }
             const char* name = error_names[static_cast<std::size_t>(i)];
-            report::Panel panel{fmt::format("{}, set {}: {}", vehicle, sets[static_cast<std::size_t>(set)], name), "time, s", name};
+            report::Panel panel{fmt::format("{}, set {}: {}", vehicle, sets[static_cast<std::size_t>(set)], name), "time, s",
+                                name};
             panel.series.push_back(paper_curve(name, t, x));
             out.panels.push_back(std::move(panel));
         }
