@@ -90,6 +90,8 @@ def main():
                     text += ["| | unit | printed | ours | |", "|---|---|---|---|---|"]
                     for row in made["rows"]:
                         remark = row["agreement"]
+                        if remark == "agrees" and not row["exact"]:
+                            remark += ", within the tolerance of its runs"
                         if remark in ("misprint", "explained"):
                             remark += f": right is {row['right']:.4g}; {row['remark']}"
                         text.append(f"| {row['quantity']} | {row['unit']} | {row['statement'].replace('<=', '≤').replace('>=', '≥')} | {number(row['ours'])} | {remark} |".replace("|beta|", "beta"))

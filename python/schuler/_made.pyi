@@ -202,6 +202,7 @@ def gravity(
     seed: int | None = ...,
     runs: int | None = ...,
     response: bool | None = ...,
+    backward: bool | None = ...,
     config: str | PathLike[str] | None = ...,
     start: Any | None = ...,
     stop: Any | None = ...,

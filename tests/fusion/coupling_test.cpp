@@ -127,31 +127,49 @@ TEST(Integrity, TestsOfOneFix) {
 
 TEST(Integrity, ReadmissionTakesAgreementForItsTime) {
     IntegritySettings s;
-    ChannelHealth health, other;
+    ChannelHealth health;
     health.excluded = true;
-    for (int t = 0; t < 5; ++t) EXPECT_FALSE(readmits(health, other, true, Time::from_seconds(t), s));
-    EXPECT_FALSE(readmits(health, other, false, Time::from_seconds(5.0), s));
-    for (int t = 6; t < 16; ++t) EXPECT_FALSE(readmits(health, other, true, Time::from_seconds(t), s));
-    EXPECT_TRUE(readmits(health, other, true, Time::from_seconds(16.0), s));
+    for (int t = 0; t < 5; ++t) EXPECT_FALSE(readmits(health, nullptr, true, Time::from_seconds(t), s));
+    EXPECT_FALSE(readmits(health, nullptr, false, Time::from_seconds(5.0), s));
+    for (int t = 6; t < 16; ++t) EXPECT_FALSE(readmits(health, nullptr, true, Time::from_seconds(t), s));
+    EXPECT_TRUE(readmits(health, nullptr, true, Time::from_seconds(16.0), s));
     EXPECT_FALSE(health.excluded);
 }
 
 // A receiver that drifts by 0.3 m/s: its positions agree for long after its velocities no longer do.
-TEST(Integrity, PartsExcludedTogetherAreReadmittedTogether) {
+TEST(Integrity, APositionWaitsForTheVelocityThatWasExcludedWithIt) {
     IntegritySettings s;
     ChannelHealth position, velocity;
-    position.excluded = velocity.excluded = position.together = velocity.together = true;
+    const auto exclude = [&] {
+        position = velocity = {};
+        position.excluded = velocity.excluded = position.together = velocity.together = true;
+    };
+    exclude();
     for (int t = 0; t < 60; ++t) {
-        EXPECT_FALSE(readmits(position, velocity, true, Time::from_seconds(t), s)) << t;
-        EXPECT_FALSE(readmits(velocity, position, false, Time::from_seconds(t), s)) << t;
+        EXPECT_FALSE(readmits(position, &velocity, true, Time::from_seconds(t), s)) << t;
+        EXPECT_FALSE(readmits(velocity, nullptr, false, Time::from_seconds(t), s)) << t;
     }
-    for (int t = 60; t < 70; ++t) {
-        EXPECT_FALSE(readmits(position, velocity, true, Time::from_seconds(t), s)) << t;
-        EXPECT_FALSE(readmits(velocity, position, true, Time::from_seconds(t), s)) << t;
+    int t = 60;
+    while (t < 90 && !readmits(position, &velocity, true, Time::from_seconds(t), s)) {
+        if (velocity.excluded) (void)readmits(velocity, nullptr, true, Time::from_seconds(t), s);
+        ++t;
     }
-    EXPECT_TRUE(readmits(position, velocity, true, Time::from_seconds(70.0), s));
-    EXPECT_FALSE(position.excluded);
-    EXPECT_FALSE(velocity.excluded);
+    EXPECT_EQ(t, 70);
+
+    // a velocity does not wait for a position that is wrong alone
+    exclude();
+    for (t = 0; t < 10; ++t) {
+        EXPECT_FALSE(readmits(position, &velocity, false, Time::from_seconds(t), s)) << t;
+        EXPECT_FALSE(readmits(velocity, nullptr, true, Time::from_seconds(t), s)) << t;
+    }
+    EXPECT_TRUE(readmits(velocity, nullptr, true, Time::from_seconds(10.0), s));
+
+    // a receiver that has no velocities any more is not waited for
+    exclude();
+    EXPECT_FALSE(readmits(velocity, nullptr, false, Time::from_seconds(0.0), s));
+    t = 0;
+    while (t < 40 && !readmits(position, &velocity, true, Time::from_seconds(t), s)) ++t;
+    EXPECT_EQ(t, 30);
 }
 
 /// An aircraft in a figure of eight with good sensors; started from the truth.

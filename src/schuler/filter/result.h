@@ -170,9 +170,8 @@ struct Findings {
     Eigen::Vector3d std_velocity_scale = Eigen::Vector3d::Ones();
     Eigen::Vector3d lever_arm_b = Eigen::Vector3d::Zero();  ///< m, used or estimated
     double gyro_noise = 0.0, accel_noise = 0.0;             ///< rad/sqrt(s), m/s/sqrt(s), used or estimated
-    bool noise_asked = false, std_asked = false;  ///< imu.estimate_noise and gnss.estimate_std, off in the settings in force
-    Time started_at{};                            ///< of the initial state
-    double heading = not_given, std_heading = not_given;  ///< rad, of the initial state
+    Time started_at{};                                      ///< of the initial state
+    double heading = not_given, std_heading = not_given;    ///< rad, of the initial state
     std::vector<TunedSetting> tuned;
     Time tuned_from{}, tuned_to{};             ///< span of the trial runs
     std::shared_ptr<const Settings> in_force;  ///< with all estimated values; null: as given

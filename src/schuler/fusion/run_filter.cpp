@@ -235,8 +235,6 @@ Result run_leg(const Recording& recording, const Settings& given, WarningLog& wa
     findings.started_at = start.nav.time;
     findings.heading = math::rpy_from_quaternion(start.nav.q_nb).z();
     findings.std_heading = start.std_rpy.z();
-    findings.noise_asked = settings.imu.estimate_noise;
-    findings.std_asked = settings.gnss.estimate_std;
     findings.in_force = std::make_shared<const Settings>(in_force(settings));
     data.instants = settings.output_instants;  // set only now: trials do not stop there
     PassOptions options;

@@ -104,8 +104,6 @@ public:
         fact.key = key;
         const std::optional<double> latency = b_.result.findings.in_force ? latency_in_force(f, key) : std::nullopt;
         if (latency) fact.value = *latency;
-        else if (key == "imu.estimate_noise" && f.in_force) fact.value = f.noise_asked;
-        else if (key == "gnss.estimate_std" && f.in_force) fact.value = f.std_asked;
         else if (value != used_.end()) fact.value = settings::fact_value_of(value->value);
         else if (found != nullptr) fact.value = found->value;
         else return std::nullopt;
@@ -202,7 +200,8 @@ std::vector<Fact> facts_of(const ResultBundle& b) {
     std::vector<std::string> keys(reported.begin(), reported.end());
     const auto add = [&](const std::string& key) {
         if (!describes_data(key) || std::ranges::find(keys, key) != keys.end()) return;
-        const std::string section = key.substr(0, key.find('.') + 1);  // together with those of its section
+        if (key == "imu.estimate_noise" || key == "gnss.estimate_std") return;  // the facts are what was estimated
+        const std::string section = key.substr(0, key.find('.') + 1);           // together with those of its section
         const auto last = std::find_if(keys.rbegin(), keys.rend(), [&](const std::string& k) { return k.starts_with(section); });
         keys.insert(last == keys.rend() ? keys.end() : last.base(), key);
     };

@@ -21,7 +21,8 @@ std::optional<IntegrityTest> failed_test(const Examined& e, const ChannelHealth&
     return std::nullopt;
 }
 
-bool readmits(ChannelHealth& health, ChannelHealth& other, bool agrees, Time time, const IntegritySettings& settings) {
+bool readmits(ChannelHealth& health, const ChannelHealth* velocity, bool agrees, Time time, const IntegritySettings& settings) {
+    health.seen = time;
     if (!agrees) {
         health.agrees.reset();
         return false;
@@ -31,11 +32,10 @@ bool readmits(ChannelHealth& health, ChannelHealth& other, bool agrees, Time tim
         return h.agrees && (time - *h.agrees).seconds() >= settings.readmission_time;
     };
     if (!long_enough(health)) return false;
-    if (health.together && other.excluded) {
-        if (!long_enough(other)) return false;
-        other = {};
-        other.used = time;
-    }
+    constexpr double patience = 3.0;  // readmission times
+    if (velocity != nullptr && health.together && velocity->excluded && velocity->seen &&
+        (time - *velocity->seen).seconds() < patience * settings.readmission_time && !long_enough(*velocity))
+        return false;
     health = {};
     health.used = time;
     return true;

@@ -24,9 +24,10 @@ struct Examined {
 /// History of one sub-vector; plain and copyable.
 struct ChannelHealth {
     bool excluded = false;
-    bool together = false;       ///< with the other sub-vector, by a fault of both: readmitted with it
+    bool together = false;       ///< with the other sub-vector, by a test of both
     std::optional<Time> used;    ///< the last one used
     std::optional<Time> agrees;  ///< start of the agreement of excluded fixes with the estimate
+    std::optional<Time> seen;    ///< the last excluded one
     int failed_run = 0;          ///< consecutive fixes that failed a test or the gate
     int slow_run = 0;            ///< consecutive slow-ramp tests exceeded
 };
@@ -43,10 +44,10 @@ struct ChannelHealth {
 [[nodiscard]] std::optional<IntegrityTest> failed_test(const Examined& e, const ChannelHealth& health,
                                                        const IntegritySettings& settings);
 
-/// Monitors an excluded channel: true once its fixes have agreed with the estimate for long enough (`agrees`: this one does), and where
-/// both were excluded together those of the other one too, which is readmitted with it. A position that drifts slowly would otherwise
-/// be readmitted while the velocity beside it contradicts the estimate, and take it along.
-[[nodiscard]] bool readmits(ChannelHealth& health, ChannelHealth& other, bool agrees, Time time,
+/// Monitors an excluded channel: true once its fixes have agreed with the estimate for long enough (`agrees`: this one does). A position
+/// that was excluded together with its velocity (null otherwise) waits until that agrees too, as long as there are velocities: one that
+/// drifts slowly would otherwise be readmitted while the velocity contradicts the estimate, and take it along.
+[[nodiscard]] bool readmits(ChannelHealth& health, const ChannelHealth* velocity, bool agrees, Time time,
                             const IntegritySettings& settings);
 
 /// A copy of the filter that continues without the receiver and is restarted when `window` seconds old. Of two such copies, one

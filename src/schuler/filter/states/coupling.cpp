@@ -153,13 +153,9 @@ AidStatus Pass<Frame>::examine(FilterRun<Frame>& run, Channel channel, const Aid
     std::optional<IntegrityTest> failed = failed_test(examined, health, s);
     if (!failed && record.nis > data_.gates.chi_square[record.dof]) failed = IntegrityTest::Innovation;
     if (health.excluded) {
-        const std::size_t own = sub_vector(channel.kind);
-        ChannelHealth& other = run.health[1 - own];
-        const bool both = health.together && other.excluded;
-        if (!readmits(health, other, !failed, record.stamp, s)) return AidStatus::Excluded;
+        const ChannelHealth* velocity = channel.kind == AidKind::GnssPosition ? &run.health[1] : nullptr;
+        if (!readmits(health, velocity, !failed, record.stamp, s)) return AidStatus::Excluded;
         observer.alert({record.stamp, channel.kind, IntegrityTest::Readmitted});
-        if (both)
-            observer.alert({record.stamp, own == 0 ? AidKind::GnssVelocity : AidKind::GnssPosition, IntegrityTest::Readmitted});
         return AidStatus::Accepted;
     }
     if (!failed) {

@@ -108,7 +108,7 @@ report::Json json_of(const Made& m) {
         // clang-format off
         rows.push_back({{"key", v.key}, {"quantity", v.quantity}, {"unit", v.unit}, {"printed", v.printed}, {"statement", statement_of(v)},
                         {"right", v.right.empty() ? report::Json(nullptr) : report::Json(number_of(v.right))}, {"ours", report::json_number(r.ours)},
-                        {"agreement", name_of(r.agreement)}, {"remark", v.remark}});
+                        {"agreement", name_of(r.agreement)}, {"exact", agrees_exactly(v, r.ours)}, {"remark", v.remark}});
         // clang-format on
     }
     report::Json plots = report::Json::array();
