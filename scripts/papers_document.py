@@ -91,7 +91,7 @@ def main():
                     for row in made["rows"]:
                         remark = row["agreement"]
                         if remark == "agrees" and not row["exact"]:
-                            remark += ", within the tolerance of its runs"
+                            remark += " within its tolerance"
                         if remark in ("misprint", "explained"):
                             remark += f": right is {row['right']:.4g}; {row['remark']}"
                         text.append(f"| {row['quantity']} | {row['unit']} | {row['statement'].replace('<=', '≤').replace('>=', '≥')} | {number(row['ours'])} | {remark} |".replace("|beta|", "beta"))

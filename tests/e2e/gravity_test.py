@@ -61,6 +61,8 @@ def gravity(program, source):
           "stronger gravity is positive in gravity_disturbance_mgal")
     told = program("gravity", "survey.toml", "-o", "told", "--set", "filter.integrity.use=true", "--set", "mag.heading_std_deg=9").stderr
     check(all(f"{key} is given and has no effect: gravimetry" in told for key in ("filter.integrity.use", "mag.heading_std_deg")), f"what is switched off is named: {told}")
+    told = program("gravity", "survey.toml", "-o", "told", "--set", "gravity.steps_s=[20000]", "--set", "filter.preset=tight").stderr
+    check("20000 s lies outside the survey" in told and "filter.preset is given and has no effect: gravimetry" in told, f"a step that never comes, a preset: {told}")
     points = json.loads((folder / "g/gravity.geojson").read_text())["features"]
     check(len(points) == found["epochs"] and abs(points[0]["geometry"]["coordinates"][1] - 55.8) < 0.1, "gravity.geojson has them too")
     check("Disturbance of gravity" in (folder / "g/report.html").read_text(), "the report shows it")

@@ -65,6 +65,19 @@ TEST(TightFilter, BothMechanizationsAgree) {
         EXPECT_LT((n.forward.rows[i].std_position - e.forward.rows[i].std_position).norm(), 1e-3);
     }
     EXPECT_LT(largest_error(f, n, 20.0), 8.0);
+    // a slot has a value while it is a source's
+    const auto slow = std::ranges::find(n.states, "range_slow_error", &LayoutBlock::name);
+    ASSERT_NE(slow, n.states.end());
+    std::size_t used = 0;
+    for (const ParameterRow& row : n.forward.parameters) {
+        ASSERT_EQ(row.sources.size(), static_cast<std::size_t>(slow->size));
+        for (std::size_t k = 0; k < row.sources.size(); ++k) {
+            EXPECT_EQ(row.sources[k] >= 0, std::isfinite(row.std[static_cast<std::size_t>(slow->offset - 9) + k])) << k;
+            used += row.sources[k] >= 0 ? 1 : 0;
+        }
+    }
+    EXPECT_GT(used, 4 * n.forward.parameters.size());
+    EXPECT_LT(used, n.forward.parameters.size() * static_cast<std::size_t>(slow->size));
 }
 
 /// A gain error of the accelerometers under a force beyond that of rest is an error of velocity that grows with time, and one of

@@ -167,6 +167,11 @@ TEST(OptionTable, APresetOfALaterLayerSpeaksForItsCoupling) {
     EXPECT_EQ(config_from(overlaid(tight, {setting_from_text("filter.scheme=separate")})).scheme, Scheme::Separate);
 }
 
+TEST(OptionTable, AUnitWithoutNoiseMayRepeatItself) {
+    EXPECT_TRUE(config_from({setting_from_text("imu.grade=perfect")}).filter.imu.noiseless);
+    EXPECT_FALSE(config_from({setting_from_text("imu.grade=navigation")}).filter.imu.noiseless);
+}
+
 TEST(OptionTable, WhatWasUsedReadsBackTheSame) {
     std::mt19937_64 random(3);
     for (int run = 0; run < 50; ++run) {

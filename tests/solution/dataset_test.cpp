@@ -83,6 +83,25 @@ TEST_F(DatasetTest, LoadsAndSettlesTimes) {
     EXPECT_DOUBLE_EQ(d.config.filter.outages[1].start, 4.0);
 }
 
+TEST_F(DatasetTest, APresetAboveSaysWhichStatesItSwitchesOff) {
+    write_logs();
+    const auto doubts_with = [&](const std::vector<const char*>& above) {
+        write("dataset.toml", std::string(plain) + "[filter]\nscale_factors = true\nmisalignments = true\n");
+        settings::SettingList list;
+        for (const char* text : above) list.push_back(settings::setting_from_text(text));
+        std::string all;
+        for (const std::string& doubt : settings::open_dataset(folder_, dataset::Needs::ImuAndGnss, list).doubts)
+            all += doubt + "\n";
+        return all;
+    };
+    EXPECT_EQ(doubts_with({}).find("switches off"), std::string::npos);
+    EXPECT_NE(doubts_with({"filter.preset=complex22"}).find("filter.scale_factors and filter.misalignments"), std::string::npos);
+    EXPECT_NE(doubts_with({"filter.preset=ins21"}).find("switches off filter.misalignments"), std::string::npos);
+    EXPECT_EQ(doubts_with({"filter.preset=tight"}).find("switches off"), std::string::npos);
+    EXPECT_EQ(doubts_with({"filter.preset=ins15", "filter.scale_factors=true", "filter.misalignments=true"}).find("switches off"),
+              std::string::npos);
+}
+
 TEST_F(DatasetTest, OnlyLatenciesThatWereNotGivenAreFound) {
     write_logs();
     EXPECT_TRUE(load(plain).config.filter.gnss.latency_found);

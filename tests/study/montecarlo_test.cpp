@@ -315,6 +315,21 @@ TEST(MonteCarloThreads, ComparedSchemesFlyTheSameFlightsWhateverTheJobs) {
     EXPECT_TRUE(json["schemes"][0]["nees_position"].is_null());
     EXPECT_GT(loose["windows"][0]["horizontal_max_m"].get<double>(), loose["windows"][0]["horizontal_rms_m"].get<double>());
     EXPECT_EQ(json["montecarlo"]["runs"], 3);
+    const std::string runs = campaign_runs_csv(one);
+    EXPECT_NE(runs.find(",nees_velocity,nees_attitude\n"), std::string::npos) << runs.substr(0, 200);
+    ASSERT_EQ(one.schemes[1].run_nees.size(), 3u);
+    double mean = 0.0;
+    for (const std::array<double, 3>& run : one.schemes[1].run_nees) mean += run[2];
+    EXPECT_NEAR(mean, loose["nees_attitude"]["mean"].get<double>(), 1e-9);  // of three runs, one instead of three expected
+
+    // what no scheme uses is told
+    settings::ProcessRequest with = request;
+    with.above = {settings::setting_from_text("filter.backward=true"), settings::setting_from_text("filter.preset=tight"),
+                  settings::setting_from_text("filter.loop=open")};
+    const CompareCampaign idle = compare_campaign(with, 1, 1);
+    std::vector<std::string> keys;
+    for (const solution::Ignored& i : idle.ignored) keys.push_back(i.key);
+    EXPECT_EQ(keys, (std::vector<std::string>{"filter.backward", "filter.preset"}));
 }
 
 constexpr const char* ranges_flight =

@@ -135,9 +135,12 @@ StateRow state_row(const Layout& layout, const NavState& nav, const StateVector&
 ParameterRow parameter_row(Time time, const Layout& layout, const StateVector& parameters, const StateMatrix& P) {
     ParameterRow row;
     row.time = time;
-    const int slots = layout.phase >= 0 ? layout.phase : layout.source;  // assigned to sources and carriers as they come
+    const auto is_slot = [&](int i) {  // assigned to sources and carriers as they come
+        return (layout.source >= 0 && i >= layout.source) ||
+               (layout.phase >= 0 && i >= layout.phase && i < layout.phase + 2 * layout.phases);
+    };
     for (int i = Layout::navigation; i < layout.size; ++i) {
-        const bool free = slots >= 0 && i >= slots && !(P(i, i) > 0.0);
+        const bool free = is_slot(i) && !(P(i, i) > 0.0);
         row.value.push_back(free ? not_given : parameters(i));
         row.std.push_back(free ? not_given : std::sqrt(std::max(0.0, P(i, i))));
     }

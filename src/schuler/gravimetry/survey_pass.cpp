@@ -19,20 +19,27 @@ Matrix3d to_local_level(const InertialModel& model, const NavStateEcef& nav) {
     return model.disturbance.from_local_level(Frame::C_en(model.earth, nav)).transpose();
 }
 
+/// Of the disturbance, the sum of both parts, in the axes of its model: covariance with every state, and of the columns of such rows.
+DisturbanceRows rows_of_sum(const Layout& L, const estim::StateMatrix& P) {
+    DisturbanceRows rows = P.block(L.gravity_constant, 0, 3, L.size);
+    if (L.gravity_random >= 0) rows += P.block(L.gravity_random, 0, 3, L.size);
+    return rows;
+}
+Matrix3d columns_of_sum(const Layout& L, const DisturbanceRows& rows) {
+    Matrix3d columns = rows.middleCols<3>(L.gravity_constant);
+    if (L.gravity_random >= 0) columns += rows.middleCols<3>(L.gravity_random);
+    return columns;
+}
+
 /// The clone becomes the disturbance as estimated now, with all its correlations.
 void keep_before(const Layout& L, Filter& f) {
-    const int to = L.gravity_before, s = L.gravity_constant, r = L.gravity_random;
-    const auto sum = [&](const auto& part) {
-        auto out = part(s);
-        if (r >= 0) out += part(r);
-        return out;
-    };
-    const Eigen::MatrixXd rows = sum([&](int i) { return Eigen::MatrixXd(f.P.block(i, 0, 3, f.P.cols())); });
-    f.P.block(to, 0, 3, f.P.cols()) = rows;
-    f.P.block(0, to, f.P.rows(), 3) = rows.transpose();
-    f.P.block(to, to, 3, 3) = sum([&](int i) { return Matrix3d(rows.block(0, i, 3, 3)); });
-    f.parameters.segment<3>(to) = sum([&](int i) { return Vector3d(f.parameters.segment<3>(i)); });
-    f.error.segment<3>(to) = sum([&](int i) { return Vector3d(f.error.segment<3>(i)); });
+    const int to = L.gravity_before;
+    const DisturbanceRows rows = rows_of_sum(L, f.P);
+    f.P.block(to, 0, 3, L.size) = rows;
+    f.P.block(0, to, L.size, 3) = rows.transpose();
+    f.P.block<3, 3>(to, to) = columns_of_sum(L, rows);
+    f.parameters.segment<3>(to) = filter::disturbance_of(L, f.parameters);
+    f.error.segment<3>(to) = filter::disturbance_of(L, f.error);
 }
 
 void open_systematic_part(const filter::Settings& settings, const InertialModel& model, FilterRun& run) {
@@ -55,17 +62,14 @@ SurveyEpoch survey_epoch(const InertialModel& model, const Filter& f, const Matr
     const Matrix3d to_ned = to_local_level(model, e.nav);
     const auto turned = [&](const Matrix3d& block) { return sigma((to_ned * block * to_ned.transpose()).diagonal()); };
     const auto block = [&f](int i, int j) { return Matrix3d(f.P.block<3, 3>(i, j)); };
-    const int s = L.gravity_constant, r = L.gravity_random;
+    const int r = L.gravity_random;
+    const DisturbanceRows rows = rows_of_sum(L, f.P);
+    const Matrix3d own = columns_of_sum(L, rows);
     e.disturbance_n = to_ned * filter::disturbance_of(L, parameters);
-    e.sigma_disturbance_n = turned(r < 0 ? block(s, s) : Matrix3d(block(s, s) + block(r, r) + block(s, r) + block(r, s)));
+    e.sigma_disturbance_n = turned(own);
     if (const int b = L.gravity_before; b >= 0) {
         e.change_n = e.disturbance_n - to_ned * parameters.segment<3>(b);
-        Matrix3d common = f.P.block<3, 3>(s, b);
-        Matrix3d own = block(s, s);
-        if (r >= 0) {
-            common += f.P.block<3, 3>(r, b);
-            own += block(r, r) + block(s, r) + block(r, s);
-        }
+        const Matrix3d common = rows.middleCols<3>(b);
         e.sigma_change_n = turned(own + block(b, b) - common - common.transpose());
     }
     e.sigma_random_n = r < 0 ? Vector3d(Vector3d::Zero()) : turned(block(r, r));
@@ -80,10 +84,7 @@ SurveyEpoch survey_epoch(const InertialModel& model, const Filter& f, const Matr
 }
 
 DisturbanceRows disturbance_rows(const InertialModel& model, const Filter& f) {
-    const Layout& L = model.layout;
-    DisturbanceRows rows = f.P.block(L.gravity_constant, 0, 3, L.size);
-    if (L.gravity_random >= 0) rows += f.P.block(L.gravity_random, 0, 3, L.size);
-    return to_local_level(model, f.estimated(model)) * rows;
+    return to_local_level(model, f.estimated(model)) * rows_of_sum(model.layout, f.P);
 }
 
 FilterRun begin_survey(const InertialModel& model, const filter::RunData& data, const filter::Settings& settings,

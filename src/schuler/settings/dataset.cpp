@@ -9,7 +9,12 @@
 #include "schuler/settings/kfgins_settings.h"
 #include "schuler/settings/toml_file.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
+#include <iterator>
+#include <utility>
 
 namespace schuler::settings {
 namespace {
@@ -80,16 +85,33 @@ void resolve(Dataset& d, const fs::path& path, dataset::Needs needs, const Setti
     d.report = std::move(r.report);
 }
 
+/// States that the file has and a preset above it takes away, in words.
+std::vector<std::string> states_switched_off(const SettingList& own, const Dataset& d) {
+    const Config c = config_from(d.settings);
+    std::vector<std::string> keys;
+    for (const auto& [key, on] :
+         {std::pair{"filter.scale_factors", c.filter.scale_factors}, std::pair{"filter.misalignments", c.filter.misalignments}}) {
+        const auto its = std::ranges::find(own, key, &Setting::key);
+        if (!on && its != own.end() && *its->value.flag() && !d.given.contains(key)) keys.emplace_back(key);
+    }
+    if (keys.empty()) return {};
+    return {fmt::format(
+        "filter.preset = \"{}\" switches off {} of the data set's own file; to keep these states, set them beside the preset",
+        c.preset, fmt::join(keys, " and "))};
+}
+
 Dataset from_toml(const fs::path& file, dataset::Needs needs, const SettingList& above) {
     Dataset d;
     d.folder = file.parent_path();
     const bool of_folder = file.filename() == "dataset.toml";
     const fs::path place = d.folder.empty() ? fs::path(".") : d.folder;
-    const SettingList given = overlaid(config_table().read(read_toml(file), file.string()), above);
+    const SettingList own = config_table().read(read_toml(file), file.string());
+    const SettingList given = overlaid(own, above);
     d.given = keys_of(given);
     d.name = name_of(of_folder ? place : file);
     // a file of another name may be one of several that share a folder of logs
     resolve(d, place, needs, given, of_folder);
+    std::ranges::move(states_switched_off(own, d), std::back_inserter(d.doubts));
     d.inferred_toml.clear();
     return d;
 }

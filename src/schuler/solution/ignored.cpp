@@ -61,9 +61,12 @@ bool ranges_state_all(const RangingLog& log, double RangeSample::*std) {
 /// A preset that is entirely overruled by other settings.
 std::string why_preset_is_overruled(const settings::Config& c) {
     if (c.preset == "gravity27") return "these states are those of `schuler gravity`";
-    if (const auto scheme = settings::scheme_of_preset(c.preset))
-        return unless(*scheme == c.scheme,
-                      fmt::format("filter.scheme is given too, and is \"{}\"", settings::scheme_name(c.scheme)));
+    if (const auto coupling = settings::coupling_of_preset(c.preset)) {
+        if (coupling->scheme != c.scheme)
+            return fmt::format("filter.scheme is given too, and is \"{}\"", settings::scheme_name(c.scheme));
+        return unless(c.scheme != settings::Scheme::Loose || coupling->loose_kind == c.filter.loose_kind,
+                      "filter.loose is given too, and differs");
+    }
     return unless(c.preset != "ins21" || c.filter.scale_factors, "filter.scale_factors is given too, and off");
 }
 

@@ -101,7 +101,7 @@ SettingList overlaid(SettingList base, const SettingList& above) {
         const std::string& name = *preset->value.text();
         std::array<std::string_view, 2> implied{"filter.scheme", "filter.loose"};
         if (name == "gravity27") implied = {};
-        else if (!scheme_of_preset(name)) implied = {"filter.scale_factors", "filter.misalignments"};
+        else if (!coupling_of_preset(name)) implied = {"filter.scale_factors", "filter.misalignments"};
         std::erase_if(base, [&](const Setting& s) { return std::ranges::find(implied, s.key) != implied.end(); });
     }
     if (named("ranges.clock"))

@@ -81,8 +81,12 @@ struct Config : dataset::Description {
 /// @throws Error(Input) with the place of the setting.
 [[nodiscard]] Config config_from(const SettingList& settings);
 
-/// The scheme of a preset of filter.preset that names a coupling; nothing for one that names states.
-[[nodiscard]] std::optional<Scheme> scheme_of_preset(std::string_view preset);
+/// What a value of filter.preset that names a coupling stands for; nothing for one that names states.
+struct PresetCoupling {
+    Scheme scheme;
+    fusion::LooseKind loose_kind;
+};
+[[nodiscard]] std::optional<PresetCoupling> coupling_of_preset(std::string_view preset);
 
 /// Layers of settings, the later ones over the earlier ones: the settings implied by a later imu.grade, filter.preset or ranges.clock are
 /// also discarded from earlier layers.

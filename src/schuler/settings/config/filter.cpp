@@ -116,11 +116,6 @@ constexpr CouplingPreset coupling_presets[] = {
     {"tight", Scheme::Tight}, {"intermediate", Scheme::Intermediate},
     {"deep", Scheme::Deep}};
 
-const CouplingPreset* coupling_preset(std::string_view name) {
-    const auto* p = std::ranges::find(coupling_presets, name, &CouplingPreset::name);
-    return p == std::end(coupling_presets) ? nullptr : p;
-}
-
 /// A name for a group of settings; individually given ones take precedence because they come later in the table.
 Option<Config> preset_option() {
     OptionSpec spec = detail::spec(
@@ -134,9 +129,9 @@ Option<Config> preset_option() {
     return {std::move(spec),
             [](Config& c, const Value& v) {
                 c.preset = *v.text();
-                if (const CouplingPreset* p = coupling_preset(c.preset); p != nullptr) {
-                    c.scheme = p->scheme;
-                    c.filter.loose_kind = p->kind;
+                if (const auto coupling = coupling_of_preset(c.preset)) {
+                    c.scheme = coupling->scheme;
+                    c.filter.loose_kind = coupling->loose_kind;
                     return;
                 }
                 if (c.preset == "gravity27") return;
@@ -148,9 +143,10 @@ Option<Config> preset_option() {
 
 }  // namespace
 
-std::optional<Scheme> scheme_of_preset(std::string_view preset) {
-    const CouplingPreset* p = coupling_preset(preset);
-    return p != nullptr ? std::optional(p->scheme) : std::nullopt;
+std::optional<PresetCoupling> coupling_of_preset(std::string_view preset) {
+    const auto* p = std::ranges::find(coupling_presets, preset, &CouplingPreset::name);
+    if (p == std::end(coupling_presets)) return std::nullopt;
+    return PresetCoupling{p->scheme, p->kind};
 }
 
 void add_filter_options(OptionTable<Config>& table) {
