@@ -150,7 +150,8 @@ void add_range_slots(io::TableWriter& file, const std::string& group, const Rang
         while (at + 1 != forward.end() && (at + 1)->time <= row.time) ++at;
         values.insert(values.end(), at->sources.begin(), at->sources.end());
     }
-    file.table(group + "/range_slow_error_source", values, forward.front().sources.size(), {{"units", "1"}, {"sources", names}});
+    file.table(group + "/range_slow_error_source", values, forward.front().sources.size(),
+               {{"columns", "range_slow_error_source"}, {"units", "1"}, {"sources", names}});
 }
 
 /// Full covariances, epochs x n x n; the attribute `states` names their rows and columns.
