@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <tuple>
 #include <vector>
 
 namespace schuler {
@@ -109,5 +110,15 @@ struct Recording {
     RangingLog ranges;
     std::vector<ReferenceSample> reference;
 };
+
+/// The logs of the instruments beside IMU and receiver.
+inline constexpr std::tuple instrument_logs{&Recording::baro,    &Recording::mag,    &Recording::odometer,
+                                            &Recording::heading, &Recording::gauges, &Recording::body_velocity};
+
+/// `visit(log)` for each log of these instruments.
+template <class R, class Visit>
+void for_each_instrument_log(R& recording, Visit&& visit) {
+    std::apply([&](const auto... log) { (visit(recording.*log), ...); }, instrument_logs);
+}
 
 }  // namespace schuler

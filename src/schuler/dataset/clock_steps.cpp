@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <type_traits>
 
 namespace schuler::dataset {
 namespace {
@@ -48,14 +49,10 @@ void put_clock_steps_back(Recording& recording, const std::vector<inspect::Clock
             continue;
         }
         move_back(recording.imu, *end, step.seconds);
-        const auto with_it = [&](auto& log) {
-            if (shares(log, *end, step)) move_back(log, *end, step.seconds);
-        };
-        with_it(recording.baro);
-        with_it(recording.mag);
-        with_it(recording.odometer);
-        with_it(recording.gauges);
-        with_it(recording.body_velocity);
+        for_each_instrument_log(recording, [&]<class Sample>(std::vector<Sample>& log) {
+            if constexpr (!std::is_same_v<Sample, HeadingSample>)  // two antennas: the receiver's clock
+                if (shares(log, *end, step)) move_back(log, *end, step.seconds);
+        });
     }
 }
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <type_traits>
 #include <utility>
 
 namespace schuler::dataset {
@@ -50,13 +51,8 @@ void settle_rollover(Recording& r) {
     const auto each_log = [&r](auto visit) {
         visit(r.imu);
         visit(r.gnss);
-        visit(r.baro);
-        visit(r.mag);
-        visit(r.odometer);
-        visit(r.heading);
-        visit(r.gauges);
-        visit(r.body_velocity);
         visit(r.reference);
+        for_each_instrument_log(r, visit);
     };
     each_log([&](const auto& log) {
         rolled = rolled || (!log.empty() && log.front().time.seconds() < week && log.front().time.seconds() > 0.5 * week &&
@@ -76,11 +72,9 @@ void settle_drift(Recording& r, double drift) {
         for (auto& sample : log) sample.time = sample.time + Duration::from_seconds(-drift * (sample.time - from).seconds());
     };
     each(r.imu);
-    each(r.baro);
-    each(r.mag);
-    each(r.odometer);
-    each(r.gauges);
-    each(r.body_velocity);
+    for_each_instrument_log(r, [&]<class Sample>(std::vector<Sample>& log) {
+        if constexpr (!std::is_same_v<Sample, HeadingSample>) each(log);  // two antennas: the receiver's clock
+    });
 }
 
 }  // namespace schuler::dataset

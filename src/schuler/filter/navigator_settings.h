@@ -1,6 +1,7 @@
 // Settings, states and results of a navigator.
 #pragma once
 
+#include "schuler/filter/measurement/instruments.h"
 #include "schuler/filter/result.h"
 #include "schuler/filter/settings.h"
 #include "schuler/filter/states/model.h"
@@ -14,17 +15,6 @@
 #include <optional>
 
 namespace schuler::filter {
-
-/// The instruments that feed a navigator.
-enum class Source : std::uint8_t { Imu, Gnss, Baro, Mag, Odometer, Heading, Gauges, Log, Ranges };
-inline constexpr std::size_t source_count = 9;
-
-/// Highest sample rate of each instrument, for which memory is allocated. 0: there is no such instrument.
-struct FeedRates {
-    double gnss = 20.0, baro = 0.0, mag = 0.0, odometer = 0.0, heading = 0.0, gauges = 0.0, log = 0.0, ranges = 0.0;  ///< Hz
-    int gauge_count = 0;              ///< number of values in GaugeSample::height, at most 3
-    std::size_t range_sources = 128;  ///< largest number of satellites and stations in a run
-};
 
 struct NavigatorSettings {
     /// The settings of a batch run; values that a batch estimates from the whole log (noise, latencies, mounting) are used as

@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <span>
 #include <string>
@@ -110,6 +111,9 @@ struct MagSettings {
     double heading_std = 0.1;        ///< rad
     double bias_std = 0.5;           ///< rad, initial heading error of the magnetometer
     double bias_walk = 0.002;        ///< rad/sqrt(s), change due to electric currents and surroundings
+
+    /// rad; 0 if not given: the heading offset includes it
+    [[nodiscard]] double used_declination() const { return std::isfinite(declination) ? declination : 0.0; }
 };
 
 struct OdometerSettings {

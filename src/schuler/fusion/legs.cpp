@@ -2,6 +2,7 @@
 
 #include "schuler/core/units.h"
 #include "schuler/earth/earth.h"
+#include "schuler/filter/measurement/instruments.h"
 #include "schuler/math/quantile.h"
 
 #include <algorithm>
@@ -124,12 +125,8 @@ Recording part_of(const Recording& recording, Time from, Time to) {
     Recording out;
     out.imu = within(recording.imu, from, to);
     out.gnss = within(recording.gnss, from, to);
-    out.baro = within(recording.baro, from, to);
-    out.mag = within(recording.mag, from, to);
-    out.odometer = within(recording.odometer, from, to);
-    out.heading = within(recording.heading, from, to);
-    out.gauges = within(recording.gauges, from, to);
-    out.body_velocity = within(recording.body_velocity, from, to);
+    filter::for_each_instrument(
+        [&](const auto& instrument) { out.*instrument.log = within(recording.*instrument.log, from, to); });
     out.ranges = within(recording.ranges, from, to);
     return out;
 }

@@ -1,6 +1,7 @@
 #include "schuler/fusion/timeline.h"
 
 #include "schuler/core/error.h"
+#include "schuler/filter/measurement/instruments.h"
 #include "schuler/filter/stream/event_maker.h"
 #include "schuler/filter/stream/imu_intervals.h"
 #include "schuler/fusion/faults/imu_faults.h"
@@ -170,14 +171,6 @@ void withhold_before_ends(std::vector<Event>& events) {
     }
 }
 
-/// One event for each sample of a channel that qualifies.
-template <class Sample>
-void add_events(const std::vector<Sample>& samples, AidKind kind, std::uint8_t components, EventMaker& maker,
-                std::vector<Event>& events) {
-    for (std::size_t i = 0; i < samples.size(); ++i)
-        if (maker.is_due(samples[i])) events.push_back(event_at(samples[i].time, kind, components, i));
-}
-
 }  // namespace
 
 std::vector<Event> make_events(const Recording& recording, const Settings& settings, Time origin, WarningLog& warnings,
@@ -186,12 +179,11 @@ std::vector<Event> make_events(const Recording& recording, const Settings& setti
     EventMaker maker(settings, origin);
     for (std::size_t i = 0; i < recording.gnss.size(); ++i)
         maker.gnss(screen.without(recording.gnss[i], i), i, [&](const Event& e) { events.push_back(e); });
-    add_events(recording.baro, AidKind::Baro, 4, maker, events);
-    add_events(recording.mag, AidKind::Mag, 1, maker, events);
-    add_events(recording.odometer, AidKind::Odometer, 1, maker, events);
-    add_events(recording.heading, AidKind::Heading, 1, maker, events);
-    add_events(recording.gauges, AidKind::Gauges, 7, maker, events);
-    add_events(recording.body_velocity, AidKind::BodyVelocity, 7, maker, events);
+    filter::for_each_instrument([&](const auto& instrument) {
+        const auto& log = recording.*instrument.log;
+        for (std::size_t i = 0; i < log.size(); ++i)
+            if (maker.is_due(log[i])) events.push_back(event_at(log[i].time, instrument.kind, instrument.components, i));
+    });
     const std::size_t repeated = maker.memory.repeated;
     if (repeated > 0)
         warnings.add("gnss.duplicates", fmt::format("{} GNSS epochs repeat the one before them and were left out", repeated));

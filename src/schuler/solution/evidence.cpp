@@ -1,6 +1,7 @@
 #include "schuler/solution/evidence.h"
 
 #include "schuler/core/units.h"
+#include "schuler/filter/measurement/instruments.h"
 #include "schuler/math/quantile.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/solution/bundle.h"
@@ -237,8 +238,7 @@ private:
         std::array<Inside, filter::measurement_kinds> used;
         for (const fusion::AidRecord& r : b_.result.aids)
             if (r.status != AidStatus::Withheld) used[static_cast<std::size_t>(r.kind)].add(r.status == AidStatus::Accepted);
-        for (const AidKind kind :
-             {AidKind::Baro, AidKind::Mag, AidKind::Odometer, AidKind::Heading, AidKind::Gauges, AidKind::BodyVelocity}) {
+        for (const AidKind kind : filter::instrument_kinds) {
             const Inside& n = used[static_cast<std::size_t>(kind)];
             if (n.epochs >= enough && n.share() < 0.5)
                 add("instrument.refused", "{} of {} measurements were refused ({}): they contradict the solution",

@@ -1,5 +1,6 @@
 #include "schuler/solution/health.h"
 
+#include "schuler/filter/measurement/instruments.h"
 #include "schuler/filter/stream/imu_intervals.h"
 #include "schuler/math/quantile.h"
 
@@ -181,8 +182,8 @@ std::string_view name_of(SourceState state) {
 std::vector<HealthInterval> health_of(const LoadedDataset& data, const fusion::Result& result) {
     std::vector<HealthInterval> out = imu_intervals(data.recording.imu, data.config.filter.imu);
     const std::optional<Span> run = span_of(data, result);
-    constexpr std::array sources{AidKind::GnssPosition, AidKind::GnssVelocity, AidKind::Baro,   AidKind::Mag,
-                                 AidKind::Odometer,     AidKind::Heading,      AidKind::Gauges, AidKind::BodyVelocity};
+    std::vector<AidKind> sources{AidKind::GnssPosition, AidKind::GnssVelocity};
+    sources.insert(sources.end(), filter::instrument_kinds.begin(), filter::instrument_kinds.end());
     for (const AidKind kind : sources) {
         std::vector<Instant> records, instants;
         for (const AidRecord& r : result.aids)

@@ -36,4 +36,8 @@ Measurement body_velocity(const Estimate& e, const Vector3d& measured_b, double 
     return m;
 }
 
+Measurement measurement_of(const Estimate& e, const BodyVelocitySample& s, const Settings& settings) {
+    return body_velocity(e, s.velocity_b, settings.log.std * settings.log.std, settings.log.lever_arm_b);
+}
+
 }  // namespace schuler::filter

@@ -34,4 +34,14 @@ Measurement magnetic_azimuth(const Estimate& e, const Vector3d& field_b, double 
     return m;
 }
 
+Measurement measurement_of(const Estimate& e, const BaroSample& s, const Settings& settings) {
+    return baro_height(e, s.height, settings.baro.std * settings.baro.std);
+}
+
+Measurement measurement_of(const Estimate& e, const MagSample& s, const Settings& settings) {
+    const Eigen::Matrix3d C_bs = math::dcm_from_rpy(settings.imu.mounting_rpy) * settings.imu.C_bs;
+    return magnetic_azimuth(e, C_bs * s.field_b, settings.mag.used_declination(),
+                            settings.mag.heading_std * settings.mag.heading_std);
+}
+
 }  // namespace schuler::filter

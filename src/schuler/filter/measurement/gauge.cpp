@@ -24,4 +24,8 @@ Measurement gauge_heights(const Estimate& e, const Vector3d& heights, double var
     return m;
 }
 
+Measurement measurement_of(const Estimate& e, const GaugeSample& s, const Settings& settings) {
+    return gauge_heights(e, s.height, settings.gauges.std * settings.gauges.std, settings.gauges.lever_arms_b);
+}
+
 }  // namespace schuler::filter

@@ -51,4 +51,14 @@ Measurement heading_of_body(const Estimate& e, double measured, double variance)
     return m;
 }
 
+Measurement measurement_of(const Estimate& e, const OdometerSample& s, const Settings& settings) {
+    const double std = s.std > 0.0 ? s.std : settings.odometer.std;
+    return odometer_speed(e, s.speed, std * std);
+}
+
+Measurement measurement_of(const Estimate& e, const HeadingSample& s, const Settings& settings) {
+    const double std = s.std > 0.0 ? s.std : settings.heading.std;
+    return heading_of_body(e, s.heading, std * std);
+}
+
 }  // namespace schuler::filter

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "schuler/filter/measurement/measurement.h"
+#include "schuler/filter/settings.h"
 
 namespace schuler::filter {
 
@@ -12,5 +13,9 @@ namespace schuler::filter {
 /// Heading (rad, from true north, of the body's forward axis) from two antennas or a gyrocompass; its constant offset is a state
 /// if the layout includes it. variance in rad^2. dof is 0 if the forward axis is within a degree of the vertical.
 [[nodiscard]] Measurement heading_of_body(const Estimate& estimate, double measured, double variance);
+
+/// The measurement of a sample, with its own sigma or else that of the settings.
+[[nodiscard]] Measurement measurement_of(const Estimate& estimate, const OdometerSample& sample, const Settings& settings);
+[[nodiscard]] Measurement measurement_of(const Estimate& estimate, const HeadingSample& sample, const Settings& settings);
 
 }  // namespace schuler::filter

@@ -117,7 +117,7 @@ void set_limits(RunData& data, const Settings& settings) {
     data.gates.recovery_time = aids.recovery_time;
     data.gates.recovery_count = aids.recovery_count;
     if (settings.integrity.use) data.slow_limits = slow_limits(settings.integrity);
-    data.declination = std::isfinite(settings.mag.declination) ? settings.mag.declination : 0.0;
+    data.declination = settings.mag.used_declination();
 }
 
 InertialModel make_model(const Settings& settings, const Layout& layout) {

@@ -115,10 +115,11 @@ FeedStatus StreamTimeline::feed(const GnssFix& fix) {
 }
 template <class Sample>
 FeedStatus StreamTimeline::take(const Sample& s, bool used, bool bad) {
-    auto& instrument = std::get<Instrument<Sample>>(instruments_);
+    auto& pending = std::get<Pending<Sample>>(pending_);
+    const Instrument<Sample>& instrument = pending.instrument;
     if (!used) return count(instrument.source, FeedStatus::NotUsed);
     if (bad || is_bad(s.time)) return count(instrument.source, FeedStatus::BadValue);
-    return feed(instrument.source, s, s.time, instrument.pool, recording_.*instrument.store);
+    return feed(instrument.source, s, s.time, pending.pool, recording_.*instrument.log);
 }
 FeedStatus StreamTimeline::feed(const BaroSample& s) { return take(s, settings_.filter.baro.use, is_bad(s.height, 1e5)); }
 FeedStatus StreamTimeline::feed(const MagSample& s) {

@@ -29,11 +29,11 @@ std::size_t aid_capacity(const NavigatorSettings& s, double rate) {
 
 }  // namespace
 
-template <class Sample>
-StreamTimeline::Instrument<Sample> StreamTimeline::instrument(const NavigatorSettings& s, Source source, AidKind kind,
-                                                              std::uint8_t components, double FeedRates::*rate,
-                                                              std::vector<Sample> Recording::*store) {
-    return {source, kind, components, rate, store, detail::SamplePool<Sample>(aid_capacity(s, s.rates.*rate))};
+StreamTimeline::AllPending StreamTimeline::pending_of(const NavigatorSettings& s) {
+    const auto one = [&]<class Sample>(const Instrument<Sample>& instrument) {
+        return Pending<Sample>{instrument, detail::SamplePool<Sample>(aid_capacity(s, s.rates.*instrument.rate))};
+    };
+    return std::apply([&](const auto&... instrument) { return AllPending{one(instrument)...}; }, instruments);
 }
 
 StreamTimeline::StreamTimeline(const NavigatorSettings& s)
@@ -45,20 +45,15 @@ StreamTimeline::StreamTimeline(const NavigatorSettings& s)
       imu_store_(imu_capacity(s)),
       imu_(imu_capacity(s)),
       gnss_(aid_capacity(s, s.rates.gnss)),
-      instruments_{instrument(s, Source::Baro, AidKind::Baro, 4, &FeedRates::baro, &Recording::baro),
-                   instrument(s, Source::Mag, AidKind::Mag, 1, &FeedRates::mag, &Recording::mag),
-                   instrument(s, Source::Odometer, AidKind::Odometer, 1, &FeedRates::odometer, &Recording::odometer),
-                   instrument(s, Source::Heading, AidKind::Heading, 1, &FeedRates::heading, &Recording::heading),
-                   instrument(s, Source::Gauges, AidKind::Gauges, 7, &FeedRates::gauges, &Recording::gauges),
-                   instrument(s, Source::Log, AidKind::BodyVelocity, 7, &FeedRates::log, &Recording::body_velocity)},
+      pending_(pending_of(s)),
       interval_(s.filter.imu, s.imu_interval),
       hang_(s.imu_interval),
       motion_(s.imu_interval),
       events_(settings_.filter, Time{}) {
     recording_.gnss.resize(aid_capacity(s, s.rates.gnss));
     std::size_t others = 0;
-    each_instrument([&](auto& instrument) {
-        auto& store = recording_.*instrument.store;
+    for_each_instrument([&](const auto& instrument) {
+        auto& store = recording_.*instrument.log;
         store.resize(aid_capacity(s, s.rates.*instrument.rate));
         others += store.size();
     });
@@ -85,7 +80,7 @@ void StreamTimeline::clear() {
     memory.released.fill(Time{INT64_MIN});
     imu_.clear();
     gnss_.clear();
-    each_instrument([](auto& instrument) { instrument.pool.clear(); });
+    each_pending([](auto& pending) { pending.pool.clear(); });
     data_.imu.increments.clear();
     data_.imu.bridges.clear();
     data_.events.clear();
@@ -238,16 +233,9 @@ void StreamTimeline::add_speeds(const GnssFix& fix, const Event& e) {
 namespace {
 
 /// Order of simultaneous measurements.
-int rank(AidKind kind) {
-    switch (kind) {
-        case AidKind::Baro: return 1;
-        case AidKind::Mag: return 2;
-        case AidKind::Odometer: return 3;
-        case AidKind::Heading: return 4;
-        case AidKind::Gauges: return 5;
-        case AidKind::BodyVelocity: return 6;
-        default: return 0;
-    }
+std::ptrdiff_t rank(AidKind kind) {
+    const auto at = std::ranges::find(instrument_kinds, kind);
+    return at == instrument_kinds.end() ? 0 : 1 + (at - instrument_kinds.begin());
 }
 
 }  // namespace
@@ -260,9 +248,10 @@ void StreamTimeline::insert(const Event& event) {
 }
 
 template <class Sample>
-void StreamTimeline::release(Time until, Instrument<Sample>& instrument) {
-    detail::SamplePool<Sample>& pool = instrument.pool;
-    const std::vector<Sample>& store = recording_.*instrument.store;
+void StreamTimeline::release(Time until, Pending<Sample>& pending) {
+    const Instrument<Sample>& instrument = pending.instrument;
+    detail::SamplePool<Sample>& pool = pending.pool;
+    const std::vector<Sample>& store = recording_.*instrument.log;
     while (!pool.empty() && store[pool.index(0)].time < until) {
         const std::size_t index = pool.take();
         memory.released[static_cast<std::size_t>(instrument.source)] = store[index].time;
@@ -287,13 +276,13 @@ void StreamTimeline::release(Time until) {
         });
         gnss_.let_go(index);
     }
-    each_instrument([&](auto& instrument) { release(until, instrument); });
+    each_pending([&](auto& pending) { release(until, pending); });
 }
 
 void StreamTimeline::let_go(const Event& e) {
     if (is_part_of_fix(e.kind)) gnss_.let_go(e.index);
-    each_instrument([&](auto& instrument) {
-        if (instrument.kind == e.kind) instrument.pool.let_go(e.index);
+    each_pending([&](auto& pending) {
+        if (pending.instrument.kind == e.kind) pending.pool.let_go(e.index);
     });
 }
 

@@ -104,19 +104,20 @@ public:
 private:
     static constexpr int needed_strangers = 20;
 
-    /// An instrument that is valid at its stamps: its identity and its pending samples.
+    /// The pending samples of an instrument.
     template <class Sample>
-    struct Instrument {
-        Source source;
-        AidKind kind;
-        std::uint8_t components;
-        double FeedRates::*rate;
-        std::vector<Sample> Recording::*store;
+    struct Pending {
+        const Instrument<Sample>& instrument;
         detail::SamplePool<Sample> pool;
     };
-    template <class Sample>
-    static Instrument<Sample> instrument(const NavigatorSettings& s, Source source, AidKind kind, std::uint8_t components,
-                                         double FeedRates::*rate, std::vector<Sample> Recording::*store);
+    template <class List>
+    struct PendingOf;
+    template <class... Instruments>
+    struct PendingOf<std::tuple<Instruments...>> {
+        using type = std::tuple<Pending<typename Instruments::Sample>...>;
+    };
+    using AllPending = PendingOf<std::remove_const_t<decltype(instruments)>>::type;
+    [[nodiscard]] static AllPending pending_of(const NavigatorSettings& settings);
 
     FeedStatus count(Source source, FeedStatus status);
     [[nodiscard]] FeedStatus check_time(Time valid) const;
@@ -129,11 +130,11 @@ private:
     void bridge(const ImuIncrement& interval);
     void release(Time until);
     template <class Sample>
-    void release(Time until, Instrument<Sample>& instrument);
-    /// `visit(Instrument&)` for each of them, in the order in which simultaneous measurements are used.
+    void release(Time until, Pending<Sample>& pending);
+    /// `visit(Pending&)` for each instrument, in the order in which simultaneous measurements are used.
     template <class Visit>
-    void each_instrument(Visit&& visit) {
-        std::apply([&](auto&... instrument) { (visit(instrument), ...); }, instruments_);
+    void each_pending(Visit&& visit) {
+        std::apply([&](auto&... pending) { (visit(pending), ...); }, pending_);
     }
     void insert(const Event& event);
     void let_go(const Event& event);
@@ -150,9 +151,7 @@ private:
     std::vector<ImuSample> imu_store_;
     detail::SamplePool<ImuSample> imu_;
     detail::SamplePool<GnssFix> gnss_;
-    std::tuple<Instrument<BaroSample>, Instrument<MagSample>, Instrument<OdometerSample>, Instrument<HeadingSample>,
-               Instrument<GaugeSample>, Instrument<BodyVelocitySample>>
-        instruments_;
+    AllPending pending_;
     std::vector<std::uint32_t> free_ranges_;  // free ranges of samples in the range log
     IntervalMaker interval_;
     HangWatch hang_;
@@ -202,7 +201,7 @@ void StreamTimeline::archive(Archive& a) {
     a(recording_.gnss, imu_store_);
     a(recording_.ranges.sources, recording_.ranges.epochs, recording_.ranges.samples, free_ranges_);
     a(imu_, gnss_);
-    each_instrument([&](auto& instrument) { a(recording_.*instrument.store, instrument.pool); });
+    each_pending([&](auto& pending) { a(recording_.*pending.instrument.log, pending.pool); });
     a(interval_.memory, hang_.memory, motion_.memory, events_.memory, slots_, hole_, hangs_);
 }
 

@@ -7,6 +7,7 @@
 #include "schuler/filter/measurement/environment.h"
 #include "schuler/filter/measurement/gauge.h"
 #include "schuler/filter/measurement/gnss.h"
+#include "schuler/filter/measurement/instruments.h"
 #include "schuler/filter/measurement/odometer.h"
 #include "schuler/math/rotation.h"
 
@@ -71,31 +72,14 @@ Measurement Pass<Frame>::measurement_of(const InertialFilter<Frame>& filter, con
             if (latency >= 0) variance += of_latency(filter, e, latency).template segment<3>(Layout::velocity);
             return gnss_velocity(e, data_.recording->gnss[event.index].velocity_n, variance, g.lever_arm_b, latency, use);
         }
-        case AidKind::Baro:
-            return baro_height(e, data_.recording->baro[event.index].height, settings_.baro.std * settings_.baro.std);
-        case AidKind::Mag: {
-            const Eigen::Matrix3d C_bs = math::dcm_from_rpy(settings_.imu.mounting_rpy) * settings_.imu.C_bs;
-            return magnetic_azimuth(e, C_bs * data_.recording->mag[event.index].field_b, data_.declination,
-                                    settings_.mag.heading_std * settings_.mag.heading_std);
-        }
-        case AidKind::Odometer: {
-            const OdometerSample& s = data_.recording->odometer[event.index];
-            const double std = s.std > 0.0 ? s.std : settings_.odometer.std;
-            return odometer_speed(e, s.speed, std * std);
-        }
-        case AidKind::Heading: {
-            const HeadingSample& s = data_.recording->heading[event.index];
-            const double std = s.std > 0.0 ? s.std : settings_.heading.std;
-            return heading_of_body(e, s.heading, std * std);
-        }
-        case AidKind::Gauges:
-            return gauge_heights(e, data_.recording->gauges[event.index].height, settings_.gauges.std * settings_.gauges.std,
-                                 settings_.gauges.lever_arms_b);
-        case AidKind::BodyVelocity:
-            return body_velocity(e, data_.recording->body_velocity[event.index].velocity_b, settings_.log.std * settings_.log.std,
-                                 settings_.log.lever_arm_b);
-        default: return {};
+        default: break;
     }
+    Measurement m;
+    for_each_instrument([&](const auto& instrument) {
+        if (instrument.kind == event.kind)
+            m = filter::measurement_of(e, (data_.recording->*instrument.log)[event.index], settings_);
+    });
+    return m;
 }
 
 template <class Frame>

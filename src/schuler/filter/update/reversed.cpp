@@ -1,5 +1,6 @@
 #include "schuler/filter/update/reversed.h"
 
+#include "schuler/filter/measurement/instruments.h"
 #include "schuler/filter/update/pass.h"
 
 #include <algorithm>
@@ -22,38 +23,23 @@ std::vector<Sample> reversed(std::vector<Sample> samples) {
 Recording reversed(const Recording& r) {
     Recording out;
     out.gnss = reversed(r.gnss);
-    out.baro = reversed(r.baro);
-    out.mag = reversed(r.mag);
-    out.odometer = reversed(r.odometer);
-    out.heading = reversed(r.heading);
-    out.gauges = reversed(r.gauges);
-    out.body_velocity = reversed(r.body_velocity);
+    for_each_instrument([&](const auto& instrument) {
+        out.*instrument.log = reversed(r.*instrument.log);
+        for (auto& sample : out.*instrument.log) instrument.reverse(sample);
+    });
     out.ranges = r.ranges;
     out.ranges.epochs = reversed(std::move(out.ranges.epochs));
     for (GnssFix& f : out.gnss) f.velocity_n = -f.velocity_n;
-    for (OdometerSample& s : out.odometer) s.speed = -s.speed;
-    for (BodyVelocitySample& s : out.body_velocity) s.velocity_b = -s.velocity_b;
     return out;
 }
 
 /// Samples of the channel referred to by events of this kind.
 std::size_t samples_of(const Recording& r, AidKind kind) {
-    switch (kind) {  // complete, so that the compiler reports a new kind
-        case AidKind::GnssPosition:
-        case AidKind::GnssVelocity: return r.gnss.size();
-        case AidKind::Baro: return r.baro.size();
-        case AidKind::Mag: return r.mag.size();
-        case AidKind::Odometer: return r.odometer.size();
-        case AidKind::Heading: return r.heading.size();
-        case AidKind::Gauges: return r.gauges.size();
-        case AidKind::BodyVelocity: return r.body_velocity.size();
-        case AidKind::ZeroVelocity:
-        case AidKind::ZeroRate:
-        case AidKind::Nonholonomic:
-        case AidKind::Pseudorange:
-        case AidKind::RangeRate: break;  // not events of the timeline
-    }
-    return 0;
+    std::size_t n = is_part_of_fix(kind) ? r.gnss.size() : 0;
+    for_each_instrument([&](const auto& instrument) {
+        if (instrument.kind == kind) n = (r.*instrument.log).size();
+    });
+    return n;
 }
 
 std::vector<Event> reversed(const std::vector<Event>& events, const Recording& recording) {
