@@ -32,7 +32,8 @@ test=(
     rtklib                          # convbin, rnx2rtkp: oracles, never linked
     chromium                        # opens the reports
     python3 python3-numpy python3-scipy
-    python3-dev pybind11-dev python3-setuptools python3-pip python3-pandas python3-matplotlib     # the Python package and its examples
+    python3-dev pybind11-dev python3-setuptools python3-pip python3-pandas python3-matplotlib     # the Python package
+    python3-nbclient python3-nbformat python3-ipykernel                                           # executes the notebooks
     octave                          # reads run.mat
     fakeroot dpkg-dev               # the Debian package
     mkdocs                          # scripts/site.sh

@@ -4,9 +4,11 @@ import csv
 import functools
 import json
 import math
+import os
 import re
 import signal
 import socket
+import struct
 import subprocess
 import time
 from pathlib import Path
@@ -208,5 +210,66 @@ def live_satellites(program, source):
                                  {"name": "G12", "elevation_deg": None, "azimuth_deg": None, "cn0_db_hz": 20, "used": False}], f"{told}")
 
 
+def records(data):
+    """The kinds and bodies of an MCAP file without chunks."""
+    magic = b"\x89MCAP0\r\n"
+    check(data.startswith(magic) and data.endswith(magic), "no magic bytes at both ends")
+    at, out = len(magic), []
+    while at < len(data) - len(magic):
+        kind, size = struct.unpack_from("<BQ", data, at)
+        out.append((kind, data[at + 9:at + 9 + size]))
+        at += 9 + size
+    check(at == len(data) - len(magic), "the last record is cut")
+    return out
+
+
+def live_outputs(program, source):
+    """MCAP files are whole, one a run, and hold what the table holds; shared memory holds the newest state, and goes with its writer."""
+    described = drive(program, source, seconds=120)
+    name, number, folder = f"schuler-test-{os.getpid()}", port(), Path(program.folder)
+    outputs = f'[[output]]\nto = "file:now.csv"\nformat = "csv"\n[[output]]\nto = "file:live.mcap"\nformat = "mcap"\n[[output]]\nto = "shm:{name}"\n'
+    file = configured(program, described, f"tcp-listen://127.0.0.1:{number}", outputs + '[[output]]\nto = "file:now.jsonl"\n')
+    process = started(program, file)
+    program("replay", "drive", "--to", f"tcp://127.0.0.1:{number}", "--speed", "0")
+    until(lambda: any((message["time_s"] or 0.0) >= 120.0 for message in messages(folder / "now.jsonl", "health")))
+    shared = Path("/dev/shm") / name
+    data = shared.read_bytes()
+    magic, size, running, sequence, count, heartbeat, time_ns = struct.unpack_from("<8sIIQQqq", data)
+    check((magic, size, running) == (b"SCHULER1", len(data), 1) and sequence == 2 * count and count > 10000, f"{magic} {size} {running} {sequence} {count}")
+    check(time_ns == 120 * 10**9 and 0 < time.clock_gettime_ns(time.CLOCK_MONOTONIC) - heartbeat < 60 * 10**9, f"{time_ns} {heartbeat}")
+    state = messages(folder / "now.jsonl", "state")[-1]
+    values = struct.unpack_from("<18d", data, 48)
+    keys = ("lat_deg", "lon_deg", "height_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "roll_deg", "pitch_deg", "heading_deg",
+            "std_n_m", "std_e_m", "std_d_m", "std_vn_m_s", "std_ve_m_s", "std_vd_m_s", "std_roll_deg", "std_pitch_deg", "std_heading_deg")
+    check(all(abs(v - state[k]) < 1e-3 for v, k in zip(values, keys)), f"{values} {state}")
+    second = configured(program, described, f"tcp-listen://127.0.0.1:{port()}", f'[[output]]\nto = "shm:{name}"\n', name="second.toml")
+    other = started(program, second)
+    check(any(b"another run writes it" in line for line in iter(other.stderr.readline, b"")), "a second writer")
+    ended(other)
+    check(shared.exists(), "taken away by the second writer")
+    ended(process)
+    check(not shared.exists(), "left behind")
+    found = records((folder / "live.mcap").read_bytes())
+    rows = list(csv.DictReader(open(folder / "now.csv")))
+    channels = {struct.unpack_from("<H", body)[0]: body[8:8 + struct.unpack_from("<I", body, 4)[0]].decode() for kind, body in found if kind == 4}
+    check(channels == {1: "/fix", 2: "/attitude", 3: "/velocity", 4: "/event", 5: "/health", 6: "/satellites"}, f"{channels}")
+    said = {topic: [body for kind, body in found if kind == 5 and struct.unpack_from("<H", body)[0] == k] for k, topic in channels.items()}
+    check(len(said["/fix"]) == len(said["/attitude"]) == len(said["/velocity"]) == len(rows) > 500, f"{len(rows)} rows")
+    for body, row in zip(said["/fix"], rows):   # after the header with the frame "wgs84", status and service
+        lat, lon, height = struct.unpack_from("<3d", body, 22 + 4 + 8 + 12 + 4)
+        check(abs(lat - float(row["lat_deg"])) < 1e-9 and abs(lon - float(row["lon_deg"])) < 1e-9 and abs(height - float(row["height_m"])) < 1e-3, f"{lat} {row}")
+    check(any(json.loads(body[22:])["kind"] == "phase" for body in said["/event"]) and json.loads(said["/health"][-1][22:])["dropped"] == 0, "events")
+    check("live.mcap" in program("inspect", "live.mcap").stdout, "not read")
+    lines = program("replay", "drive", "--to", "stdout", "--speed", "0").stdout
+    (folder / "all.jsonl").write_text(lines)
+    again = configured(program, described, "file:all.jsonl", outputs.replace(f'[[output]]\nto = "shm:{name}"\n', ""), name="again.toml")
+    program("live", str(again))
+    check(records((folder / "live.mcap.1").read_bytes()) == found and len(records((folder / "live.mcap").read_bytes())) > 500, "the file of the first run")
+    for wrong, part in (('to = "shm:a/b"', "has no name of letters"), ('to = "shm:a"\nformat = "json"', "its own layout"), ('to = "udp://127.0.0.1:5"\nformat = "mcap"', "has a beginning"),
+                        ('to = "file:live.mcap"\nformat = "mcap"\nkeep = 0', "no older file is kept"), ('to = "file:drive/imu.csv"\nformat = "mcap"', "does not begin")):
+        bad = configured(program, described, "file:all.jsonl", f"[[output]]\n{wrong}\n", name="bad.toml")
+        check(part in program("live", str(bad), status=2).stderr, wrong)
+
+
 if __name__ == "__main__":
-    main({"live_replay": live_replay, "live_trouble": live_trouble, "live_state": live_state, "live_satellites": live_satellites})
+    main({"live_replay": live_replay, "live_trouble": live_trouble, "live_state": live_state, "live_satellites": live_satellites, "live_outputs": live_outputs})

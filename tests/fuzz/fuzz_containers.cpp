@@ -11,7 +11,7 @@ namespace io = schuler::io;
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     return schuler::fuzz::run(data, size, [](unsigned choice, const io::TextInput& input, schuler::WarningLog& log) {
         static constexpr std::array names = {"ulog", "dataflash", "mcap", "rosbag",   "novatel",  "ubx", "sbet",
-                                             "tum",  "euroc",     "gpx",  "waypoint", "ulog2csv", "imr"};
+                                             "tum",  "euroc",     "gpx",  "waypoint", "ulog2csv", "imr", "vectornav"};
         static constexpr std::array methods = {"zstd", "lz4", "bz2"};
         const std::size_t kind = choice % (names.size() + methods.size());
         if (kind >= names.size()) {

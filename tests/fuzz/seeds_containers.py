@@ -2,7 +2,7 @@
 import struct
 import zlib
 
-NAMES = ["ulog", "dataflash", "mcap", "rosbag", "novatel", "ubx", "sbet", "tum", "euroc", "gpx", "waypoint", "ulog2csv", "imr"]
+NAMES = ["ulog", "dataflash", "mcap", "rosbag", "novatel", "ubx", "sbet", "tum", "euroc", "gpx", "waypoint", "ulog2csv", "imr", "vectornav"]
 
 
 def ulog():
@@ -83,10 +83,21 @@ def ubx():
     return b"\xb5\x62" + body + bytes([a, b])
 
 
+def vectornav():
+    body = b"\x09" + struct.pack("<HH", 0x0203, 0x02ba) + struct.pack("<QQ6f", 1000, 1330560400000000000, 0, 0, -9.8, .1, .2, .3)
+    body += struct.pack("<QBB3d3f3f", 400000000000, 12, 3, 48, 11, 500, 1, 2, 3, .1, .2, .3)
+    crc = 0
+    for byte in body:
+        crc ^= byte << 8
+        for _ in range(8):
+            crc = (crc << 1 ^ 0x1021 if crc & 0x8000 else crc << 1) & 0xFFFF
+    return (b"\xfa" + body + struct.pack(">H", crc)) * 3
+
+
 def seeds():
     rows = b"".join(b"%d.5 1 2 3 0 0 0.6 0.8\n" % i for i in range(3))
     content = {
-        "ulog": ulog(), "dataflash": dataflash(), "mcap": mcap(), "rosbag": rosbag(), "novatel": novatel(), "ubx": ubx(),
+        "ulog": ulog(), "dataflash": dataflash(), "mcap": mcap(), "rosbag": rosbag(), "novatel": novatel(), "ubx": ubx(), "vectornav": vectornav(),
         "sbet": b"".join(struct.pack("<17d", 1000 + i, .5, -2, 100, 1, 2, 3, .1, .2, 3, 0, 0, 0, 0, 0, 0, 0) for i in range(3)),
         "tum": b"# time x y z qx qy qz qw\n" + rows,
         "euroc": b"#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []\n1403715524907143168,1,2,3,1,0,0,0\n",

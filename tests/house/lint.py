@@ -113,7 +113,7 @@ def third_party(root):
         for path in files(root, folder_of(root, room).relative_to(root)):
             for number, line in lines(path):
                 match = re.match(r"\s*#\s*include\s*<([^>]+)>", line)
-                if not match or re.fullmatch(r"[a-z0-9_]+", match.group(1)):
+                if not match or re.fullmatch(r"[a-z0-9_]+|stdint\.h", match.group(1)):
                     continue
                 name = next((name for pattern, name in LIBRARIES if re.match(pattern, match.group(1))), None)
                 if name is None:

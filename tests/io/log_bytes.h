@@ -1,6 +1,8 @@
 // Small logs of autopilots, receivers and robots, put together from their documents' definitions.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <string>
@@ -114,5 +116,38 @@ inline std::uint32_t crc32(std::string_view bytes, std::uint32_t crc = 0xFFFFFFF
     return crc ^ inverted;
 }
 inline std::uint32_t novatel_crc(std::string_view bytes) { return crc32(bytes, 0, 0); }
+
+/// Binary messages of a VectorNav unit, field by field in the order of groups and bits.
+class VectorNav {
+public:
+    template <class... Values>
+    VectorNav& field(unsigned group, unsigned bit, Values... values) {
+        fields_.at(group) |= static_cast<std::uint16_t>(1U << bit);
+        (put(payload_, values), ...);
+        return *this;
+    }
+    [[nodiscard]] std::string message() const {
+        std::string body(1, '\0'), masks;
+        for (std::size_t g = 0; g < fields_.size(); ++g) {
+            if (fields_[g] == 0) continue;
+            body[0] = static_cast<char>(body[0] | 1 << g);
+            put(masks, fields_[g]);
+        }
+        body += masks + payload_;
+        unsigned crc = 0;  // the manual's form, byte by byte
+        for (const char c : body) {
+            crc = ((crc >> 8U) | (crc << 8U)) & 0xffffU;
+            crc ^= static_cast<unsigned char>(c);
+            crc ^= (crc & 0xffU) >> 4U;
+            crc ^= (crc << 12U) & 0xffffU;
+            crc ^= (crc & 0xffU) << 5U;
+        }
+        return "\xfa" + body + static_cast<char>(crc >> 8U) + static_cast<char>(crc & 0xffU);
+    }
+
+private:
+    std::array<std::uint16_t, 7> fields_{};
+    std::string payload_;
+};
 
 }  // namespace schuler::io::test

@@ -176,6 +176,49 @@ TEST(LiveDecoder, TheImuOfANovatelIsNamedOnce) {
     EXPECT_EQ(decoder->counters().warnings.size(), 1U);
 }
 
+/// Time since power-on and GPS time (0: none yet) of an IMU message, with the fix last received.
+std::string vectornav(int k, std::uint64_t gps, bool has_gps_field, double lat = 0.0) {
+    io::test::VectorNav m;
+    m.field(0, 0, static_cast<std::uint64_t>(k) * 10'000'000);
+    if (has_gps_field) m.field(0, 1, gps);
+    m.field(0, 9, 0.0F, 0.0F, -9.8F, 0.01F, 0.02F, 0.03F);
+    if (lat != 0.0) {
+        m.field(3, 1, std::uint64_t{400'000'000'000} + static_cast<std::uint64_t>(lat * 1e9)).field(3, 2, std::uint16_t{2200});
+        m.field(3, 4, static_cast<unsigned char>(3)).field(3, 5, lat, 11.0, 500.0);
+    }
+    return m.message();
+}
+
+TEST(LiveDecoder, VectorNavInPieces) {
+    constexpr std::uint64_t begin = 1'330'560'400'000'000'000;  // week 2200, 400 000 s
+    std::string compensated =
+        io::test::VectorNav().field(0, 1, begin).field(0, 5, 9.0F, 9.0F, 9.0F).field(0, 8, 1.0F, 1.0F, 1.0F).message();
+    std::string damaged = vectornav(9, begin, true);
+    damaged[30] ^= 1;
+    const std::string stream = vectornav(0, 0, true) + vectornav(1, begin + 10'000'000, true, 1.0) + "$VNINS,1,2*5A\r\n\xfa\xfa" +
+                               compensated + vectornav(2, begin + 20'000'000, true, 1.0) + damaged +
+                               vectornav(3, begin + 30'000'000, true, 2.0);
+    for (const std::size_t size : {std::size_t{1}, std::size_t{7}, stream.size()}) {
+        const auto decoder = make_decoder(StreamFormat::Vectornav, Instrument::Imu, {});
+        std::vector<std::int64_t> imu, fixes;
+        for (const Sample& s : decoded(*decoder, stream, size)) {
+            if (const auto* i = std::get_if<ImuSample>(&s)) imu.push_back(i->time.ns - static_cast<std::int64_t>(begin));
+            if (const auto* f = std::get_if<GnssFix>(&s)) fixes.push_back(f->time.ns - static_cast<std::int64_t>(begin));
+        }
+        EXPECT_EQ(imu, (std::vector<std::int64_t>{10'000'000, 20'000'000, 30'000'000}))
+            << "one source of inertial data, GPS time";
+        EXPECT_EQ(fixes, (std::vector<std::int64_t>{1'000'000'000, 2'000'000'000})) << "each once, at the receiver's time";
+        EXPECT_GE(decoder->counters().garbage, 1U);
+        ASSERT_EQ(decoder->counters().warnings.size(), 1U);
+    }
+    const auto decoder = make_decoder(StreamFormat::Vectornav, Instrument::Imu, {});
+    const std::vector<Sample> alone = decoded(*decoder, vectornav(5, 0, false) + vectornav(6, 0, false, 1.0), 5);
+    ASSERT_EQ(alone.size(), 3U) << "a unit without GPS time";
+    EXPECT_EQ(std::get<ImuSample>(alone[0]).time.ns, 50'000'000);
+    EXPECT_EQ(std::get<GnssFix>(alone[2]).time.ns, 60'000'000) << "that of its message";
+    EXPECT_TRUE(decoder->counters().warnings.empty());
+}
+
 TEST(LiveDecoder, RowsOfTablesAndLinesOfJson) {
     const std::string table =
         "time_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2\n"

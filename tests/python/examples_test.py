@@ -1,23 +1,31 @@
-"""The examples of the papers run, and draw their figures where matplotlib is."""
+"""The notebooks of the papers run, and draw."""
 import importlib.util
-import subprocess
-import sys
+import shutil
 import unittest
 
 from support import FOLDER, SOURCE, main
 
 
-class Examples(unittest.TestCase):
+@unittest.skipUnless(all(importlib.util.find_spec(name) for name in ("nbclient", "nbformat", "ipykernel", "matplotlib")),
+                     "python3-nbclient, python3-nbformat, python3-ipykernel or python3-matplotlib is not installed")
+class Notebooks(unittest.TestCase):
     def test_papers(self):
-        figures = FOLDER / "figures"
-        for script in sorted((SOURCE / "examples/python").glob("paper_*.py")):
-            with self.subTest(script.name):
-                done = subprocess.run([sys.executable, "-B", script, figures], capture_output=True, text=True, timeout=200, cwd=FOLDER)
-                self.assertEqual(done.returncode, 0, done.stderr)
-                if importlib.util.find_spec("matplotlib"):
-                    drawn = list(figures.glob(f"{script.stem}_*.png"))
-                    self.assertTrue(drawn)
-                    self.assertTrue(all(p.stat().st_size > 5000 for p in drawn))
+        import nbclient
+        import nbformat
+
+        notebooks = sorted((SOURCE / "examples/notebooks").glob("paper_*.ipynb"))
+        self.assertEqual([p.stem for p in notebooks], [f"paper_{letter}" for letter in "abcde"])
+        shutil.copytree(SOURCE / "examples", FOLDER / "examples", dirs_exist_ok=True)
+        for path in notebooks:
+            with self.subTest(path.name):
+                notebook = nbformat.read(path, as_version=4)
+                self.assertFalse(any(cell.get("outputs") for cell in notebook.cells), "kept without outputs")
+                client = nbclient.NotebookClient(notebook, timeout=200, kernel_name="python3", resources={"metadata": {"path": str(FOLDER / "examples/notebooks")}})
+                client.execute()   # an exception of a cell is one of this
+                outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
+                drawn = [o for o in outputs if o.output_type == "display_data" and len(o.data.get("image/png", "")) > 5000]
+                self.assertGreaterEqual(len(drawn), 2)
+                self.assertFalse([o for o in outputs if o.output_type == "stream" and o.name == "stderr" and "Warning" in o.text])
 
 
 if __name__ == "__main__":

@@ -25,6 +25,7 @@ namespace schuler::io {
     FORMAT(novatel_format)           \
     FORMAT(ubx_format)               \
     FORMAT(rtcm3_format)             \
+    FORMAT(vectornav_format)         \
     FORMAT(sbet_format)              \
     FORMAT(kfgins_yaml_format)       \
     FORMAT(toml_format)              \

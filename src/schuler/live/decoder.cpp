@@ -4,6 +4,7 @@
 #include "schuler/io/formats.h"
 #include "schuler/io/receiver/nmea.h"
 #include "schuler/io/receiver/ubx.h"
+#include "schuler/io/receiver/vectornav.h"
 #include "schuler/io/text/csv/csv_aids.h"
 #include "schuler/live/detail/framing.h"
 
@@ -339,6 +340,67 @@ private:
     std::set<std::string> told_;
 };
 
+/// Inertial data of the best source that the unit sends. The first dated ones determine the axis: GPS time, or time since power-on if the
+/// unit has no GPS time field; fixes have the receiver's own time on the former, that of their message on the latter.
+class VectorNavDecoder final : public FrameDecoder {
+protected:
+    [[nodiscard]] std::size_t frame(std::string_view b) const override {
+        if (b[0] == '$') {  // ASCII messages of the same unit
+            const std::size_t end = b.find('\n');
+            return end != std::string_view::npos ? end + 1 : b.size() < 400 ? more : none;
+        }
+        const std::size_t size = io::vectornav_size(b);
+        return size == io::vectornav_incomplete ? more : size;
+    }
+    void message(const std::string& bytes, std::vector<Sample>& out) override {
+        if (bytes[0] == '$') {
+            ++counters_.foreign;
+            return;
+        }
+        const io::VectorNavMessage m = io::parse_vectornav(bytes);
+        const std::size_t before = out.size();
+        if (const std::optional<Time> time = time_of(m)) {
+            source_ = std::min(source_, m.inertial);
+            if (m.inertial == source_ && m.inertial != io::VectorNavMessage::Inertial::None)
+                out.emplace_back(ImuSample{*time, m.rate, m.force});
+            if (m.field.allFinite()) out.emplace_back(MagSample{*time, m.field});
+            if (std::isfinite(m.pressure)) out.emplace_back(BaroSample{*time, not_given, m.pressure});
+            if (m.fix && axis_ == Axis::PowerOn) add(*m.fix, *time, out);
+        }
+        if (m.fix && axis_ == Axis::Gps && m.fix->time.ns != 0) add(*m.fix, m.fix->time, out);
+        ++(out.size() > before ? counters_.messages : counters_.foreign);
+    }
+
+private:
+    enum class Axis { Open, Gps, PowerOn };
+
+    std::optional<Time> time_of(const io::VectorNavMessage& m) {
+        if (axis_ == Axis::Open && m.inertial != io::VectorNavMessage::Inertial::None) {
+            if (m.gps_ns) axis_ = Axis::Gps;
+            else if (m.startup_ns && !m.awaits_gps) axis_ = Axis::PowerOn;
+            else if (!told_) counters_.warnings.emplace_back("the unit has no GPS time yet: its samples are not used until then");
+            told_ = true;
+        }
+        const std::optional<std::int64_t>& ns = axis_ == Axis::PowerOn ? m.startup_ns : m.gps_ns;
+        return axis_ == Axis::Open || !ns ? std::nullopt : std::optional(Time{*ns});
+    }
+    /// The unit repeats a fix until the receiver has a new one.
+    void add(GnssFix fix, Time time, std::vector<Sample>& out) {
+        if (fix.fix == FixType::None) return;
+        const bool same = last_ && last_->position.lat == fix.position.lat && last_->position.lon == fix.position.lon &&
+                          last_->velocity_n == fix.velocity_n && last_->time == fix.time;
+        last_ = fix;
+        if (same) return;
+        fix.time = time;
+        out.emplace_back(fix);
+    }
+
+    io::VectorNavMessage::Inertial source_ = io::VectorNavMessage::Inertial::None;
+    Axis axis_ = Axis::Open;
+    bool told_ = false;
+    std::optional<GnssFix> last_;
+};
+
 }  // namespace
 
 std::string_view name_of(Instrument instrument) {
@@ -351,6 +413,7 @@ std::unique_ptr<Decoder> make_decoder(StreamFormat format, Instrument instrument
         case StreamFormat::Nmea: return std::make_unique<NmeaDecoder>();
         case StreamFormat::Ubx: return std::make_unique<UbxDecoder>();
         case StreamFormat::Novatel: return std::make_unique<NovatelDecoder>();
+        case StreamFormat::Vectornav: return std::make_unique<VectorNavDecoder>();
         case StreamFormat::Json: return detail::json_decoder();
         case StreamFormat::Gpsd: return detail::gpsd_decoder();
         default: return std::make_unique<CsvDecoder>(instrument, options);

@@ -22,8 +22,8 @@ inline constexpr std::size_t instrument_count = 6;
 using Sample =
     std::variant<ImuSample, GnssFix, BaroSample, MagSample, OdometerSample, HeadingSample>;  // in the order of Instrument
 
-/// Ubx: NAV-PVT, NAV-SAT. Novatel: content of such files. Csv: header line first. Json: one line per sample, any instrument. Gpsd: TPV, SKY.
-enum class StreamFormat { Nmea, Ubx, Novatel, Csv, Json, Gpsd };
+/// Ubx: NAV-PVT, NAV-SAT. Novatel: content of such files. Vectornav: binary messages. Csv: header line first. Json: one line per sample, any instrument. Gpsd: TPV, SKY.
+enum class StreamFormat { Nmea, Ubx, Novatel, Vectornav, Csv, Json, Gpsd };
 
 struct DecoderCounters {
     std::size_t messages = 0;             ///< decoded

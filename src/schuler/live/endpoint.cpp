@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <string_view>
@@ -16,7 +17,7 @@ Error wrong(const std::string& text, const std::string& key, const char* what, D
     const char* forms =
         direction == Direction::In
             ? "write tcp://HOST:PORT, tcp-listen://:PORT, udp://:PORT, serial:/dev/NAME?baud=115200, file:PATH, gpsd://HOST or stdin"
-            : "write tcp://HOST:PORT, tcp-listen://:PORT, udp://HOST:PORT, serial:/dev/NAME?baud=115200, file:PATH or stdout";
+            : "write tcp://HOST:PORT, tcp-listen://:PORT, udp://HOST:PORT, serial:/dev/NAME?baud=115200, file:PATH, shm:NAME or stdout";
     return input_error(fmt::format("\"{}\" {}", text, what), {{}, 0, 0, key}, forms);
 }
 
@@ -34,7 +35,8 @@ Endpoint endpoint_from(const std::string& text, Direction direction, const std::
     if (text == (in ? "stdin" : "stdout")) return e;
     constexpr std::array schemes{std::pair{"tcp://", Medium::Tcp},     std::pair{"tcp-listen://", Medium::TcpListen},
                                  std::pair{"udp://", Medium::Udp},     std::pair{"gpsd://", Medium::Gpsd},
-                                 std::pair{"serial:", Medium::Serial}, std::pair{"file:", Medium::File}};
+                                 std::pair{"serial:", Medium::Serial}, std::pair{"file:", Medium::File},
+                                 std::pair{"shm:", Medium::Shared}};
     std::string_view rest;
     bool known = false;
     for (const auto& [prefix, medium] : schemes) {
@@ -43,7 +45,18 @@ Endpoint endpoint_from(const std::string& text, Direction direction, const std::
         rest = std::string_view(text).substr(std::string_view(prefix).size());
         known = true;
     }
-    if (!known || (!in && e.medium == Medium::Gpsd)) throw wrong(text, key, "is not a known kind of endpoint", direction);
+    if (!known || (in ? e.medium == Medium::Shared : e.medium == Medium::Gpsd))
+        throw wrong(text, key, "is not a known kind of endpoint", direction);
+    if (e.medium == Medium::Shared) {
+        e.path = rest;
+        constexpr std::size_t longest = 200;
+        const bool plain = std::ranges::all_of(rest, [](char c) {
+            return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '.';
+        });
+        if (rest.empty() || rest.size() > longest || !plain || rest.front() == '.')
+            throw wrong(text, key, "has no name of letters, digits, \"_\", \"-\" and \".\"", direction);
+        return e;
+    }
     if (e.medium == Medium::Serial || e.medium == Medium::File) {
         const std::size_t mark = e.medium == Medium::Serial ? rest.find("?baud=") : std::string_view::npos;
         e.path = rest.substr(0, mark);

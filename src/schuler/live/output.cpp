@@ -1,6 +1,7 @@
 #include "schuler/live/output.h"
 
 #include "schuler/live/detail/descriptor.h"
+#include "schuler/live/detail/shared_memory.h"
 
 #include <fmt/format.h>
 
@@ -27,6 +28,7 @@ namespace {
 struct Reader {
     Descriptor fd{};
     bool pending = false;  ///< connection in progress
+    bool greeted = true;   ///< false: the greeting is the first in the queue
     std::deque<std::string> queue{};
     std::size_t bytes = 0, sent = 0;  ///< queued; sent part of the first message
 };
@@ -62,6 +64,7 @@ Took pour(Reader& r, Medium medium) {
         r.bytes -= first.size();
         r.queue.pop_front();
         r.sent = 0;
+        r.greeted = true;
     }
     return Took::All;
 }
@@ -73,7 +76,8 @@ struct Output::State {
     Endpoint endpoint;
     OutputLimits limits;
     std::function<void(const std::string&)> tell;
-    std::string greeting{};
+    std::string greeting{}, ending{};
+    detail::SharedMemory shared{};
     Descriptor listener{};
     std::vector<Reader> readers{};
     double next = 0.0, wait = first_wait;
@@ -83,8 +87,8 @@ struct Output::State {
     void push(Reader& r, std::string_view message) {
         r.queue.emplace_back(message);
         r.bytes += message.size();
-        // a partly sent message must be completed
-        const std::size_t first = r.sent > 0 ? 1 : 0;
+        // a partly sent message must be completed, and the rest means nothing without the greeting
+        const std::size_t first = r.sent > 0 || !r.greeted ? 1 : 0;
         while (r.bytes > limits.queue && r.queue.size() > first + 1) {
             r.bytes -= r.queue[first].size();
             r.queue.erase(r.queue.begin() + static_cast<std::ptrdiff_t>(first));
@@ -100,7 +104,10 @@ struct Output::State {
         const int small = 65536;
         (void)setsockopt(r.fd.get(), SOL_SOCKET, SO_SNDBUF, &small, sizeof small);
         r.pending = pending;
-        if (greeted && !greeting.empty()) push(r, greeting);
+        if (greeted && !greeting.empty()) {
+            push(r, greeting);
+            r.greeted = false;
+        }
         told = false;
         wait = first_wait;
     }
@@ -117,19 +124,39 @@ struct Output::State {
         struct stat s {};
         if (!fd.open() || fstat(fd.get(), &s) != 0) return failed(detail::text_of_errno(errno), now);
         written = S_ISREG(s.st_mode) ? static_cast<std::size_t>(s.st_size) : 0;
+        if (written > 0 && !ending.empty()) {
+            put_aside();
+            fd.reset(open(endpoint.path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+            if (!fd.open()) return failed(detail::text_of_errno(errno), now);
+            written = 0;
+        }
         add(std::move(fd), false, written == 0);
     }
 
+    void end_file() {
+        if (ending.empty()) return;
+        for (Reader& r : readers) {
+            push(r, ending);
+            (void)pour(r, endpoint.medium);
+        }
+    }
+
     void rotate(double now) {
+        end_file();
+        readers.clear();
+        put_aside();
+        open_file(now);
+    }
+
+    /// The file becomes the newest of the older ones.
+    void put_aside() const {
         namespace fs = std::filesystem;
         std::error_code ec;
-        readers.clear();
         for (int k = limits.keep; k >= 1; --k) {
             const fs::path from = k == 1 ? fs::path(endpoint.path) : fs::path(fmt::format("{}.{}", endpoint.path, k - 1));
             fs::rename(from, fmt::format("{}.{}", endpoint.path, k), ec);  // a missing file is ignored
         }
         if (limits.keep < 1) fs::remove(endpoint.path, ec);
-        open_file(now);
     }
 
     void flush(std::size_t k, double now) {
@@ -147,11 +174,24 @@ Output::~Output() = default;
 Output::Output(Output&&) noexcept = default;
 
 void Output::greet(std::string text) { state_->greeting = std::move(text); }
+void Output::end_files_with(std::string text) { state_->ending = std::move(text); }
+void Output::store(const SolutionRow& row) { state_->shared.store(row); }
+void Output::close(double now) {
+    if (state_->endpoint.medium != Medium::File) return;
+    state_->end_file();
+    for (std::size_t k = state_->readers.size(); k-- > 0;) state_->flush(k, now);
+    state_->readers.clear();
+}
 
 void Output::tend(double now) {
     State& s = *state_;
     if (s.broken || s.listener.open() || !s.readers.empty() || now < s.next) return;
     if (s.endpoint.medium == Medium::File) return s.open_file(now);
+    if (s.endpoint.medium == Medium::Shared) {
+        if (s.shared.is_open()) return;
+        const std::string reason = s.shared.open(s.endpoint.path);
+        return reason.empty() ? void() : s.failed(reason, now);
+    }
     detail::Opened o;
     switch (s.endpoint.medium) {
         case Medium::TcpListen: o = detail::listen_tcp(s.endpoint); break;

@@ -2,6 +2,7 @@
 // dropped and counted.
 #pragma once
 
+#include "schuler/core/nav_state.h"
 #include "schuler/live/endpoint.h"
 #include "schuler/live/input.h"
 
@@ -27,11 +28,17 @@ public:
     Output(Output&&) noexcept;
     Output& operator=(Output&&) = delete;
 
-    /// Lines sent to every reader before the first message, with their line ends: the header of a table.
+    /// Sent to every reader before the first message: the header of a table, with its line end.
     void greet(std::string text);
+    /// Written at the end of every file. Such files are not appended to: an existing one is kept as an older file.
+    void end_files_with(std::string text);
     void tend(double now);
     /// One message with its line end. Sent immediately if possible.
     void send(std::string_view message, double now);
+    /// For shared memory instead of messages.
+    void store(const SolutionRow& row);
+    /// Ends a file.
+    void close(double now);
     void interests(std::vector<Interest>& out) const;
     /// To be called when one of its descriptors is ready.
     void ready(int fd, double now);

@@ -2,6 +2,7 @@
 
 #include "schuler/core/error.h"
 #include "schuler/io/atomic_file.h"
+#include "schuler/io/container/mcap_write.h"
 #include "schuler/io/solution/solution_csv.h"
 #include "schuler/live/detail/descriptor.h"
 #include "schuler/live/detail/output_files.h"
@@ -24,6 +25,7 @@
 #include <iterator>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <utility>
 
 namespace schuler::live {
@@ -118,6 +120,10 @@ public:
         for (const OutputSettings& o : settings.outputs) {
             sinks_.push_back({Output(o.to, o.limits, tell), o, {}});
             if (o.format == MessageFormat::Csv) sinks_.back().output.greet(std::string(io::solution_csv_header()) + "\n");
+            if (o.format == MessageFormat::Mcap) {
+                sinks_.back().output.greet(io::mcap_begin() + io::mcap_json_channels());
+                sinks_.back().output.end_files_with(io::mcap_end());
+            }
         }
         next_save_ = begin_ + settings.save_every;
         next_health_ = begin_ + settings.health_every;
@@ -141,6 +147,7 @@ public:
         for (Station& s : stations_) settle(s);
         satellites();
         health(monotonic());
+        for (Sink& s : sinks_) s.output.close(monotonic());
         report_.saved = save();
         report_.seconds = monotonic() - begin_;
         report_.phase = navigator_.phase();
@@ -163,6 +170,7 @@ private:
         Output output;
         OutputSettings settings;
         std::optional<std::int64_t> last;  ///< period index of the last message
+        std::uint32_t messages = 0;        ///< of Mcap
     };
 
     void tell(const std::string& text) {
@@ -255,6 +263,21 @@ private:
             case MessageFormat::Json: return s.output.send(state_json(row, s.settings.lagged), now);
             case MessageFormat::Csv: return s.output.send(io::solution_csv_row(row) + "\n", now);
             case MessageFormat::Nmea: return s.output.send(state_nmea(row), now);
+            case MessageFormat::Mcap: return record(s, [&](std::string& out) { return io::append_mcap(out, row, s.messages); });
+            case MessageFormat::Shared: return s.output.store(row);
+        }
+    }
+
+    /// `append(text)` is false if the time cannot be represented.
+    template <class Append>
+    void record(Sink& s, Append append) {
+        record_.clear();
+        if (append(record_)) {
+            ++s.messages;
+            s.output.send(record_, monotonic());
+        } else if (!undated_told_) {
+            undated_told_ = true;
+            tell("times before zero cannot be written to MCAP: those messages are left out");
         }
     }
 
@@ -281,13 +304,21 @@ private:
                 event->kind == filter::NavigatorEvent::Kind::Refused || event->kind == filter::NavigatorEvent::Kind::Aid;
             if (!often || monotonic() > next_told_) tell(event_text(*event));
             if (often && monotonic() > next_told_) next_told_ = monotonic() + 1.0;
-            broadcast(event_json(*event));
+            broadcast(io::McapTopic::Event, event_json(*event));
         }
     }
 
-    void broadcast(const std::string& message) {
-        for (Sink& s : sinks_)
-            if (s.settings.format == MessageFormat::Json && s.settings.events) s.output.send(message, monotonic());
+    /// `line`: of JSON. Times of Mcap are those of the newest sample: before the first one there is none.
+    void broadcast(io::McapTopic topic, const std::string& line) {
+        for (Sink& s : sinks_) {
+            if (!s.settings.events) continue;
+            if (s.settings.format == MessageFormat::Json) s.output.send(line, monotonic());
+            if (s.settings.format == MessageFormat::Mcap && newest_)
+                record(s, [&](std::string& out) {
+                    return io::append_mcap(out, topic, *newest_,
+                                           std::string_view(line).substr(0, line.find_last_not_of("\r\n") + 1), s.messages);
+                });
+        }
     }
 
     void health(double now) {
@@ -308,7 +339,7 @@ private:
         }
         h.latency_median = latencies_.quantile(0.5);
         h.latency_largest = latencies_.largest();
-        broadcast(health_json(h));
+        broadcast(io::McapTopic::Health, health_json(h));
         imu_since_ = 0;
         last_health_ = now;
     }
@@ -316,7 +347,7 @@ private:
     void satellites() {
         for (Station& s : stations_)
             if (const auto all = s.decoder->satellites().renewed())
-                broadcast(satellites_json(newest_ ? newest_->seconds() : not_given, *all));
+                broadcast(io::McapTopic::Satellites, satellites_json(newest_ ? newest_->seconds() : not_given, *all));
     }
 
     void regular(double now) {
@@ -364,7 +395,8 @@ private:
     std::optional<Output> log_;
     std::vector<Station> stations_;
     std::vector<Sink> sinks_;
-    std::string bytes_;
+    std::string bytes_, record_;
+    bool undated_told_ = false;
     std::vector<Sample> samples_;
     Latencies latencies_;
     LiveReport report_;

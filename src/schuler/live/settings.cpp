@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -18,7 +19,9 @@ using settings::Option;
 using settings::OptionTable;
 using settings::Value;
 
-constexpr std::array source_formats{"csv", "json", "nmea", "ubx", "novatel"};
+constexpr std::array source_formats{"csv", "json", "nmea", "ubx", "novatel", "vectornav"};
+
+constexpr std::array<std::string_view, 4> message_formats{"json", "csv", "nmea", "mcap"};  // in the order of MessageFormat
 
 double number_between(const settings::NamedValue& v, double low, double high) {
     if (!v.second.is_number() || !(v.second.number() >= low && v.second.number() <= high))
@@ -41,7 +44,8 @@ bool flag_of(const settings::NamedValue& v) {
 
 OutputSettings output_of(const settings::ValueTable& table) {
     OutputSettings out;
-    bool any = false;
+    bool any = false, has_rate = false;
+    std::optional<SourcePlace> format_place;
     for (const settings::NamedValue& v : table) {
         const SourcePlace place{{}, v.second.line, 0, "output." + v.first};
         if (v.first == "to") {
@@ -49,11 +53,13 @@ OutputSettings output_of(const settings::ValueTable& table) {
             any = true;
         } else if (v.first == "format") {
             const std::string format = text_of(v);
-            if (format != "json" && format != "csv" && format != "nmea")
-                throw input_error("is not a known format", place, "write json, csv or nmea");
-            out.format = format == "json" ? MessageFormat::Json : format == "csv" ? MessageFormat::Csv : MessageFormat::Nmea;
+            const auto it = std::ranges::find(message_formats, format);
+            if (it == message_formats.end()) throw input_error("is not a known format", place, "write json, csv, nmea or mcap");
+            out.format = static_cast<MessageFormat>(it - message_formats.begin());
+            format_place = place;
         } else if (v.first == "rate_hz") {
             out.rate = number_between(v, 0.0, 1e4);
+            has_rate = true;
         } else if (v.first == "at") {
             const std::string at = text_of(v);
             if (at != "now" && at != "lag")
@@ -76,6 +82,15 @@ OutputSettings output_of(const settings::ValueTable& table) {
     if (!any)
         throw input_error("an output has no place", {{}, table.empty() ? 0 : table.front().second.line, 0, "output.to"},
                           "write to = \"stdout\"");
+    if (out.format == MessageFormat::Mcap && (out.to.medium == Medium::Udp || out.to.medium == Medium::Serial))
+        throw input_error("an MCAP file has a beginning, which is lost here", *format_place,
+                          "send it to a file, tcp or stdout, or choose json");
+    if (out.to.medium == Medium::Shared) {
+        if (format_place)
+            throw input_error("shared memory has its own layout", *format_place, "leave the format out (docs/live.md)");
+        out.format = MessageFormat::Shared;
+        if (!has_rate) out.rate = 0.0;
+    }
     return out;
 }
 

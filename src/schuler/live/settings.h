@@ -22,7 +22,7 @@ struct SourceSettings {
     double rate = 0.0;     ///< Hz, upper limit; 0: the usual one
 };
 
-enum class MessageFormat { Json, Csv, Nmea };
+enum class MessageFormat { Json, Csv, Nmea, Mcap, Shared };
 
 struct OutputSettings {
     Endpoint to;

@@ -14,11 +14,12 @@ namespace {
 
 StreamFormat format_of(const SourceSettings& s, const Endpoint& endpoint) {
     if (endpoint.medium == Medium::Gpsd) return StreamFormat::Gpsd;
-    return s.format == "json"      ? StreamFormat::Json
-           : s.format == "nmea"    ? StreamFormat::Nmea
-           : s.format == "ubx"     ? StreamFormat::Ubx
-           : s.format == "novatel" ? StreamFormat::Novatel
-                                   : StreamFormat::Csv;
+    return s.format == "json"        ? StreamFormat::Json
+           : s.format == "nmea"      ? StreamFormat::Nmea
+           : s.format == "ubx"       ? StreamFormat::Ubx
+           : s.format == "novatel"   ? StreamFormat::Novatel
+           : s.format == "vectornav" ? StreamFormat::Vectornav
+                                     : StreamFormat::Csv;
 }
 
 const dataset::FileSource& file_of(const settings::Config& c, Instrument i) {

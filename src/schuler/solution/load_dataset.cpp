@@ -3,6 +3,7 @@
 #include "schuler/core/units.h"
 #include "schuler/dataset/clock_steps.h"
 #include "schuler/dataset/imu_log.h"
+#include "schuler/dataset/odometer_check.h"
 #include "schuler/dataset/paths.h"
 #include "schuler/dataset/ranges.h"
 #include "schuler/dataset/read_files.h"
@@ -16,6 +17,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <set>
 #include <utility>
@@ -171,6 +173,47 @@ void choose_mechanization(LoadedDataset& data) {
     fact.note = "fixes within 5 deg of a pole";
 }
 
+/// An odometer in another unit or with a late clock would be refused as a whole, or spoil the outages in which it is needed.
+void settle_odometer(LoadedDataset& out, WarningLog& warnings) {
+    settings::Config& c = out.config;
+    std::vector<OdometerSample>& log = out.recording.odometer;
+    if (log.empty() || !c.filter.odometer.use) return;
+    std::vector<GnssFix> fixes;
+    std::ranges::copy_if(out.recording.gnss, std::back_inserter(fixes), [&](const GnssFix& fix) {
+        const double t = (fix.time - out.origin).seconds();
+        return std::ranges::none_of(c.filter.outages, [t](const fusion::Outage& o) { return o.withholds(t); });
+    });
+    const fusion::GnssSettings& gnss = c.filter.gnss;
+    const auto found = dataset::compare_odometer(log, fixes, gnss.velocity_latency.value_or(gnss.latency));
+    if (!found) return;
+    const double excess = std::abs(1.0 / found->ratio - 1.0);
+    if (const auto unit = dataset::unit_of_ratio(found->ratio)) {
+        for (OdometerSample& s : log) s.speed *= unit->factor, s.std *= unit->factor;
+        warnings.add("odometer.unit",
+                     fmt::format("the odometer's speed_m_s is {:.3g} times the receiver's speed: it is taken for {}",
+                                 1.0 / found->ratio, unit->name));
+    } else if (excess > 3.0 * c.filter.odometer.scale_std) {
+        const bool given = out.given.contains("odometer.scale_factor_ppm");
+        if (!given) c.filter.odometer.scale_std = excess;
+        warnings.add(
+            "odometer.scale",
+            fmt::format("the odometer's speed is {:.3f} times the receiver's, more than odometer.scale_factor_ppm allows; {}",
+                        1.0 / found->ratio, given ? "the given value is used" : "it is raised to this"));
+    }
+    constexpr double least = 0.15, clear = 1.5;  // s; improvement
+    if (std::abs(found->lag) < least || found->spread_as_stamped < clear * found->spread) return;
+    const bool given = out.given.contains("odometer.time_offset_s");
+    if (!given) {
+        for (OdometerSample& s : log) s.time = s.time + Duration::from_seconds(-found->lag);
+        c.odometer.time_offset -= found->lag;
+    }
+    warnings.add("odometer.clock",
+                 fmt::format("the odometer's speeds come {:.2f} s {} than the receiver's; {}", std::abs(found->lag),
+                             found->lag > 0.0 ? "later" : "earlier",
+                             given ? "the given odometer.time_offset_s is used"
+                                   : fmt::format("odometer.time_offset_s = {:.2f} is used", c.odometer.time_offset)));
+}
+
 }  // namespace
 
 LoadedDataset settled_dataset(Recording recording, const settings::Config& config, WarningLog& warnings,
@@ -225,6 +268,7 @@ LoadedDataset load_dataset(const settings::Dataset& dataset, const settings::Con
     settle_heights(out, warnings);
     leave_out_velocities(out);
     settle_times(out);
+    settle_odometer(out, warnings);
     tell_idle_outages(out, warnings);
     settle_events(out, dataset.folder);
     dataset::check_gravity_shows(out.recording.imu, out.config.filter.imu.kind, dataset.folder, out.config);

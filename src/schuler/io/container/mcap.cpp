@@ -4,6 +4,8 @@
 #include "schuler/io/atomic_file.h"
 #include "schuler/io/bytes.h"
 #include "schuler/io/container/compression.h"
+#include "schuler/io/container/detail/mcap_records.h"
+#include "schuler/io/container/mcap_write.h"
 #include "schuler/io/container/ros_messages.h"
 #include "schuler/io/detail/dated.h"
 #include "schuler/io/detail/little_endian.h"
@@ -20,8 +22,8 @@
 namespace schuler::io {
 namespace {
 
-constexpr std::string_view mcap_magic("\x89MCAP0\r\n", 8);
-enum Op : unsigned char { Header = 1, Footer = 2, Schema = 3, Channel = 4, Message = 5, Chunk = 6, DataEnd = 15 };
+using detail::mcap_magic;
+using enum detail::McapOp;
 constexpr std::size_t record_head = 9;
 
 /// A sequentially read body; beyond its end everything is empty, and ok() false.
@@ -176,134 +178,13 @@ StreamLog read_mcap(const TextInput& input, WarningLog& warnings) {
     return log;
 }
 
-/// Bytes of a ROS 2 message: numbers aligned to their size.
-class Cdr {
-public:
-    Cdr() : out_("\0\1\0\0", 4) {}
-    template <class T>
-    Cdr& put(T value) {
-        while ((out_.size() - 4) % sizeof(T) != 0) out_.push_back('\0');
-        detail::store(out_, value);
-        return *this;
-    }
-    Cdr& text(std::string_view value) {
-        put(static_cast<std::uint32_t>(value.size() + 1));
-        out_.append(value).push_back('\0');
-        return *this;
-    }
-    Cdr& header(std::int64_t ns, std::string_view frame) {
-        return put(static_cast<std::int32_t>(ns / 1'000'000'000)).put(static_cast<std::uint32_t>(ns % 1'000'000'000)).text(frame);
-    }
-    [[nodiscard]] const std::string& bytes() const { return out_; }
-
-private:
-    std::string out_;
-};
-
-constexpr std::string_view header_definition =
-    "\n================================================================================\nMSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n"
-    "================================================================================\nMSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n";
-constexpr std::string_view fix_definition =
-    "std_msgs/Header header\nsensor_msgs/NavSatStatus status\nfloat64 latitude\nfloat64 longitude\nfloat64 altitude\nfloat64[9] position_covariance\n"
-    "uint8 position_covariance_type\n================================================================================\nMSG: sensor_msgs/NavSatStatus\n"
-    "int8 status\nuint16 service\n";
-
-void record(std::string& out, Op op, const std::string& body) {
-    out.push_back(static_cast<char>(op));
-    detail::store(out, static_cast<std::uint64_t>(body.size()));
-    out += body;
-}
-void put_text(std::string& out, std::string_view value) {
-    detail::store(out, static_cast<std::uint32_t>(value.size()));
-    out += value;
-}
-
-void define(std::string& out, std::uint16_t id, std::string_view topic, std::string_view type, const std::string& definition) {
-    std::string schema, channel;
-    detail::store(schema, id);
-    put_text(schema, type);
-    put_text(schema, "ros2msg");
-    put_text(schema, definition);
-    record(out, Schema, schema);
-    detail::store(channel, id);
-    detail::store(channel, id);
-    put_text(channel, topic);
-    put_text(channel, "cdr");
-    detail::store(channel, std::uint32_t{0});
-    record(out, Channel, channel);
-}
-
-void message(std::string& out, std::uint16_t channel, std::uint32_t number, std::int64_t ns, const std::string& data) {
-    std::string body;
-    detail::store(body, channel);
-    detail::store(body, number);
-    detail::store(body, static_cast<std::uint64_t>(ns));
-    detail::store(body, static_cast<std::uint64_t>(ns));
-    body += data;
-    record(out, Message, body);
-}
-
 void write_mcap(const std::filesystem::path& path, std::span<const SolutionRow> rows, const std::string&) {
-    std::string out(mcap_magic), header;
-    put_text(header, "ros2");
-    put_text(header, "schuler");
-    record(out, Header, header);
-    define(out, 1, "/fix", "sensor_msgs/msg/NavSatFix", std::string(fix_definition) + std::string(header_definition));
-    define(
-        out, 2, "/attitude", "geometry_msgs/msg/QuaternionStamped",
-        "std_msgs/Header header\ngeometry_msgs/Quaternion quaternion\n================================================================================\n"
-        "MSG: geometry_msgs/Quaternion\nfloat64 x\nfloat64 y\nfloat64 z\nfloat64 w\n" +
-            std::string(header_definition));
-    define(
-        out, 3, "/velocity", "geometry_msgs/msg/TwistWithCovarianceStamped",
-        "std_msgs/Header header\ngeometry_msgs/TwistWithCovariance twist\n================================================================================\n"
-        "MSG: geometry_msgs/TwistWithCovariance\ngeometry_msgs/Twist twist\nfloat64[36] covariance\n"
-        "================================================================================\nMSG: geometry_msgs/Twist\ngeometry_msgs/Vector3 linear\n"
-        "geometry_msgs/Vector3 angular\n================================================================================\nMSG: geometry_msgs/Vector3\n"
-        "float64 x\nfloat64 y\nfloat64 z\n" +
-            std::string(header_definition));
+    std::string out = mcap_begin();
     std::uint32_t number = 0;
-    for (const SolutionRow& r : rows) {
-        // dated times are converted to UTC from 1970, as in ROS
-        const std::int64_t ns = detail::ns_since_1970(r.time);
-        if (ns < 0)
+    for (const SolutionRow& r : rows)
+        if (!append_mcap(out, r, number++))
             throw input_error("a row has a time before zero, which MCAP cannot hold", {}, "give an output with another clock");
-        Cdr fix;
-        fix.header(ns, "wgs84").put(std::int8_t{0}).put(std::uint16_t{1});
-        fix.put(r.position.lat / units::deg).put(r.position.lon / units::deg).put(r.position.h);
-        const auto& s = r.std_position;
-        for (int i = 0; i < 9; ++i) fix.put(i == 0 ? s.y() * s.y() : i == 4 ? s.x() * s.x() : i == 8 ? s.z() * s.z() : 0.0);
-        fix.put(static_cast<std::uint8_t>(s.allFinite() ? 2 : 0));
-        message(out, 1, number, ns, fix.bytes());
-        if (r.rpy.allFinite()) {
-            Eigen::Matrix3d ned_to_enu;
-            ned_to_enu << 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0;
-            const Eigen::Quaterniond q(ned_to_enu * math::dcm_from_rpy(r.rpy));
-            Cdr attitude;
-            attitude.header(ns, "enu").put(q.x()).put(q.y()).put(q.z()).put(q.w());
-            message(out, 2, number, ns, attitude.bytes());
-        }
-        if (r.v_eb_n.allFinite()) {
-            const Eigen::Vector3d &v = r.v_eb_n, &std_v = r.std_velocity;
-            const std::array<double, 3> variance{std_v.y() * std_v.y(), std_v.x() * std_v.x(), std_v.z() * std_v.z()};
-            Cdr velocity;
-            velocity.header(ns, "enu").put(v.y()).put(v.x()).put(-v.z()).put(0.0).put(0.0).put(0.0);
-            for (std::size_t i = 0; i < 36; ++i)
-                velocity.put(i % 7 == 0 && i < 21 && std::isfinite(variance[i / 7]) ? variance[i / 7] : 0.0);
-            message(out, 3, number, ns, velocity.bytes());
-        }
-        ++number;
-    }
-    std::string end;
-    detail::store(end, std::uint32_t{0});
-    record(out, DataEnd, end);
-    std::string footer;
-    detail::store(footer, std::uint64_t{0});
-    detail::store(footer, std::uint64_t{0});
-    detail::store(footer, std::uint32_t{0});
-    record(out, Footer, footer);
-    out += mcap_magic;
-    write_file(path, out);
+    write_file(path, out + mcap_end());
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "schuler/live/detail/output_files.h"
 
 #include "schuler/core/error.h"
+#include "schuler/io/container/mcap_write.h"
 #include "schuler/io/own_files.h"
 #include "schuler/io/solution/solution_csv.h"
 #include "schuler/live/endpoint.h"
@@ -25,6 +26,8 @@ std::string beginning_of(MessageFormat format) {
         case MessageFormat::Csv: return std::string(io::solution_csv_header()) + "\n";
         case MessageFormat::Json: return "{\"type\":";
         case MessageFormat::Nmea: return "$";
+        case MessageFormat::Mcap: return io::mcap_begin();
+        case MessageFormat::Shared: break;
     }
     return {};
 }
@@ -57,6 +60,11 @@ void check_output_files(const LiveSettings& settings) {
         if (o.to.medium != Medium::File) continue;
         check_is_no_source(settings, o.to.path, "output.to");
         check_begins(settings, o.to.path, beginning_of(o.format));
+        std::error_code ec;
+        if (o.format == MessageFormat::Mcap && o.limits.keep < 1 && fs::is_regular_file(o.to.path, ec) &&
+            fs::file_size(o.to.path, ec) > 0)
+            throw input_error(fmt::format("{} exists, and no older file is kept", o.to.path),
+                              {settings.file, 0, 0, "output.keep"}, "choose another file, or keep at least 1");
     }
     if (settings.log != "none" && settings.log != "stderr") check_is_no_source(settings, settings.log, "live.log");
     if (!settings.state.empty()) {
