@@ -11,7 +11,7 @@
 namespace schuler::dataset {
 namespace {
 
-constexpr double step = 0.05, furthest = 2.0;  // s
+constexpr double step = 0.05, furthest = 3.0;  // s; a lag up to two seconds, and one more beside it
 constexpr std::size_t enough = 60;
 
 struct Speed {

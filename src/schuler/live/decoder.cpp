@@ -384,11 +384,9 @@ private:
         const std::optional<std::int64_t>& ns = axis_ == Axis::PowerOn ? m.startup_ns : m.gps_ns;
         return axis_ == Axis::Open || !ns ? std::nullopt : std::optional(Time{*ns});
     }
-    /// The unit repeats a fix until the receiver has a new one.
     void add(GnssFix fix, Time time, std::vector<Sample>& out) {
         if (fix.fix == FixType::None) return;
-        const bool same = last_ && last_->position.lat == fix.position.lat && last_->position.lon == fix.position.lon &&
-                          last_->velocity_n == fix.velocity_n && last_->time == fix.time;
+        const bool same = last_ && io::repeats(fix, *last_);
         last_ = fix;
         if (same) return;
         fix.time = time;

@@ -59,6 +59,7 @@ struct Input::State {
                 o.fd.reset(open(endpoint.path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
                 if (!o.fd.open()) o.reason = detail::text_of_errno(errno);
                 break;
+            case Medium::Shared: break;  // an output only
         }
         if (!o.fd.open()) return failed(o.reason.empty() ? "cannot be opened" : o.reason, now);
         if (endpoint.medium == Medium::TcpListen) {

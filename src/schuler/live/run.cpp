@@ -248,16 +248,18 @@ private:
         }
     }
 
-    [[nodiscard]] static bool is_due(Sink& s, Time time) {
-        if (s.settings.rate <= 0.0) return true;
+    [[nodiscard]] static std::optional<std::int64_t> period_of(const Sink& s, Time time) {
+        if (s.settings.rate <= 0.0) return std::nullopt;
         constexpr double rounding = 1e-6;  // of a period
-        const auto period = static_cast<std::int64_t>(std::floor(time.seconds() * s.settings.rate + rounding));
-        if (s.last == period) return false;
-        s.last = period;
-        return true;
+        return static_cast<std::int64_t>(std::floor(time.seconds() * s.settings.rate + rounding));
+    }
+    [[nodiscard]] static bool is_due(const Sink& s, Time time) {
+        const auto period = period_of(s, time);
+        return !period || s.last != period;
     }
 
     void send(Sink& s, const SolutionRow& row) {
+        s.last = period_of(s, row.time);
         const double now = monotonic();
         switch (s.settings.format) {
             case MessageFormat::Json: return s.output.send(state_json(row, s.settings.lagged), now);
@@ -290,7 +292,7 @@ private:
             if (s.settings.lagged || !is_due(s, *newest_)) continue;
             if (!row) {
                 const auto state = navigator_.state();
-                if (!state) return;
+                if (!state) return;  // the period remains due
                 row = row_of(*state);
             }
             send(s, *row);

@@ -23,10 +23,10 @@ namespace {
 using detail::load;
 using Eigen::Vector3d;
 
-constexpr char sync = '\xfa';
-constexpr std::size_t longest = 4096;  // bytes; a message of all fields with 64 satellites has 3900
+constexpr char sync_byte = '\xfa';
+constexpr std::size_t longest_message = 4096;  // bytes; a message of all fields with 64 satellites has 3900
 constexpr std::size_t groups = 7;
-enum Group : std::size_t { Common, TimeGroup, Imu, Gnss, Attitude, Ins, Gnss2 };
+enum Group : std::size_t { CommonGroup, TimeGroup, ImuGroup, GnssGroup, AttitudeGroup, InsGroup, Gnss2Group };
 
 /// Bytes of each field, in the order of the bits. 0: none; beyond the first receiver's dilutions the size depends on the content.
 constexpr std::array<std::array<std::uint8_t, 16>, groups> field_sizes{{{8, 8, 8, 12, 16, 12, 24, 12, 12, 24, 20, 28, 2, 4, 8},
@@ -38,11 +38,11 @@ constexpr std::array<std::array<std::uint8_t, 16>, groups> field_sizes{{{8, 8, 8
                                                                         {8, 8, 2, 1, 1, 24, 24, 12, 12, 12, 4, 4, 2, 28}}};
 constexpr std::size_t satellites_field = 14, measurements_field = 15;  // of a receiver
 
-constexpr std::size_t unknown = 0;
+constexpr std::size_t no_field = 0;
 
-/// Size of a field, whose content follows; `unknown` for a bit without a field, vectornav_incomplete if its length is not there yet.
-std::size_t size_of(std::size_t group, std::size_t field, std::string_view rest) {
-    if (group == Gnss || group == Gnss2) {
+/// Size of a field, whose content follows; `no_field` for a bit without a field, vectornav_incomplete if its length is not there yet.
+std::size_t field_size(std::size_t group, std::size_t field, std::string_view rest) {
+    if (group == GnssGroup || group == Gnss2Group) {
         const auto count = [&](std::size_t at) { return static_cast<std::size_t>(static_cast<unsigned char>(rest[at])); };
         if (field == satellites_field) return rest.empty() ? vectornav_incomplete : 2 + 8 * count(0);
         if (field == measurements_field) return rest.size() < 11 ? vectornav_incomplete : 12 + 28 * count(10);
@@ -50,12 +50,12 @@ std::size_t size_of(std::size_t group, std::size_t field, std::string_view rest)
     return field_sizes[group][field];
 }
 
-/// `visit(group, field, offset)` for each field. The offset behind the last one, or unknown or vectornav_incomplete.
+/// `visit(group, field, offset)` for each field. The offset behind the last one, or no_field or vectornav_incomplete.
 template <class Visit>
 std::size_t each_field(std::string_view bytes, Visit visit) {
     if (bytes.size() < 2) return vectornav_incomplete;
     const auto present = static_cast<unsigned char>(bytes[1]);
-    if (present == 0 || present >= 0x80) return unknown;  // further groups follow in an extended header, which is not read
+    if (present == 0 || present >= 0x80) return no_field;  // further groups follow in an extended header, which is not read
     std::size_t header = 2, at = 2;
     for (std::size_t g = 0; g < groups; ++g) at += (present >> g & 1U) * 2;
     if (bytes.size() < at) return vectornav_incomplete;
@@ -66,15 +66,15 @@ std::size_t each_field(std::string_view bytes, Visit visit) {
         header += 2;
         for (std::size_t f = 0; f < 16; ++f) {
             if ((fields >> f & 1U) == 0) continue;
-            const std::size_t size = size_of(g, f, bytes.substr(std::min(at, bytes.size())));
-            if (size == unknown || size == vectornav_incomplete) return size;
+            const std::size_t size = field_size(g, f, bytes.substr(std::min(at, bytes.size())));
+            if (size == no_field || size == vectornav_incomplete) return size;
             visit(g, f, at);
             any = true;
             at += size;
-            if (at > longest) return unknown;
+            if (at > longest_message) return no_field;
         }
     }
-    return any ? at : unknown;
+    return any ? at : no_field;
 }
 
 /// CRC-16 of the polynomial 0x1021, initial value zero; zero over a message with its checksum.
@@ -88,7 +88,7 @@ std::uint16_t crc_of(std::string_view bytes) {
     return crc;
 }
 
-FixType fix_of_code(unsigned code) {
+FixType fix_of_unit(unsigned code) {
     switch (code) {
         case 0:
         case 1: return FixType::None;  // none; time only
@@ -125,14 +125,14 @@ private:
 
     void take(std::size_t group, std::size_t field, std::size_t at) {
         switch (group) {
-            case Common: return common(field, at);
+            case CommonGroup: return common(field, at);
             case TimeGroup: return time(field, at);
-            case Imu: return imu(field, at);
-            case Gnss: return gnss(field, at);
-            case Attitude:
+            case ImuGroup: return imu(field, at);
+            case GnssGroup: return gnss(field, at);
+            case AttitudeGroup:
                 if (field == 1) ypr_ = floats(at);
                 return;
-            case Ins: return ins(field, at);
+            case InsGroup: return ins(field, at);
             default: return;  // the second receiver
         }
     }
@@ -197,7 +197,7 @@ private:
             case 1: fix_tow_ = integer(at); break;
             case 2: fix_week_ = load<std::uint16_t>(bytes_, at); break;
             case 3: fix_.satellites = static_cast<unsigned char>(bytes_[at]); break;
-            case 4: fix_.fix = fix_of_code(static_cast<unsigned char>(bytes_[at])); break;
+            case 4: fix_.fix = fix_of_unit(static_cast<unsigned char>(bytes_[at])); break;
             case 5:
                 fix_.position = place(at);
                 has_fix_ = true;
@@ -282,7 +282,7 @@ private:
 template <class Take>
 std::pair<std::size_t, std::size_t> scan(std::string_view bytes, Take take) {
     std::size_t damaged = 0, first = 0, end = 0;  // end of the last message
-    for (std::size_t at = bytes.find(sync); at != std::string_view::npos; at = bytes.find(sync, at)) {
+    for (std::size_t at = bytes.find(sync_byte); at != std::string_view::npos; at = bytes.find(sync_byte, at)) {
         const std::size_t size = vectornav_size(bytes.substr(at));
         if (size == 0 || size == vectornav_incomplete) {
             // only where a message is due; elsewhere the byte belongs to the damaged one, or to other content
@@ -298,9 +298,9 @@ std::pair<std::size_t, std::size_t> scan(std::string_view bytes, Take take) {
 }
 
 /// Time axis: GPS time if the unit ever had it, with the messages before by their time since power-on; else that alone.
-class Axis {
+class MessageTimes {
 public:
-    explicit Axis(const std::vector<VectorNavMessage>& messages) {
+    explicit MessageTimes(const std::vector<VectorNavMessage>& messages) {
         for (const VectorNavMessage& m : messages) {
             gps_ = gps_ || m.gps_ns;
             if (m.gps_ns && m.startup_ns && !offset_) offset_ = *m.gps_ns - *m.startup_ns;
@@ -326,7 +326,7 @@ StreamLog read_vectornav(const TextInput& input, WarningLog& warnings) {
         messages.push_back(parse_vectornav(m));
         return true;
     });
-    const Axis axis(messages);
+    const MessageTimes axis(messages);
     auto source = VectorNavMessage::Inertial::None;
     for (const VectorNavMessage& m : messages) source = std::min(source, m.inertial);
     static constexpr std::array sources{"ImuGroup, uncompensated", "Accel, AngularRate", "DeltaTheta, DeltaVel", ""};
@@ -338,15 +338,16 @@ StreamLog read_vectornav(const TextInput& input, WarningLog& warnings) {
         "reference", TableKind::Reference, "INS",
         {"lat_deg", "lon_deg", "height_m", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "roll_deg", "pitch_deg", "heading_deg"});
     std::vector<GnssFix> fixes;
+    std::optional<GnssFix> last;
     std::size_t undated = 0;
     for (const VectorNavMessage& m : messages) {
         const std::optional<std::int64_t> ns = axis.time_of(m);
-        if (m.fix) {  // the unit repeats the last one until the receiver has a new one
+        if (m.fix) {
             GnssFix fix = *m.fix;
-            const bool same = !fixes.empty() && fixes.back().position.lat == fix.position.lat &&
-                              fixes.back().position.lon == fix.position.lon && fixes.back().velocity_n == fix.velocity_n;
-            if (!axis.gps() || fix.time.ns == 0) fix.time = Time{same ? fixes.back().time.ns : ns.value_or(0)};
-            if (fix.time.ns != 0 && (fixes.empty() || fix.time > fixes.back().time)) fixes.push_back(fix);
+            const bool same = last && repeats(fix, *last);
+            last = fix;
+            if (!axis.gps() || fix.time.ns == 0) fix.time = Time{ns.value_or(0)};
+            if (!same && fix.time.ns != 0 && (fixes.empty() || fix.time > fixes.back().time)) fixes.push_back(fix);
         }
         if (!ns) {
             undated += m.inertial != VectorNavMessage::Inertial::None ? 1 : 0;
@@ -399,15 +400,23 @@ bool is_vectornav(const FileHead& head) {
 }  // namespace
 
 std::size_t vectornav_size(std::string_view bytes) {
-    if (bytes.empty() || bytes[0] != sync) return 0;
+    if (bytes.empty() || bytes[0] != sync_byte) return 0;
     const std::size_t payload = each_field(bytes, [](std::size_t, std::size_t, std::size_t) {});
-    if (payload == unknown || payload == vectornav_incomplete) return payload;
+    if (payload == no_field || payload == vectornav_incomplete) return payload;
     const std::size_t size = payload + 2;
     if (bytes.size() < size) return vectornav_incomplete;
     return crc_of(bytes.substr(1, size - 1)) == 0 ? size : 0;
 }
 
 VectorNavMessage parse_vectornav(std::string_view message) { return Parser(message).message(); }
+
+bool repeats(const GnssFix& fix, const GnssFix& previous) {
+    const auto same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
+    bool all = fix.time == previous.time && same(fix.position.lat, previous.position.lat) &&
+               same(fix.position.lon, previous.position.lon) && same(fix.position.h, previous.position.h);
+    for (Eigen::Index i = 0; i < 3; ++i) all = all && same(fix.velocity_n[i], previous.velocity_n[i]);
+    return all;
+}
 
 extern const Format vectornav_format;
 const Format vectornav_format = {

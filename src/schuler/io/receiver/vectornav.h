@@ -43,4 +43,7 @@ struct VectorNavMessage {
 /// `message`: complete, of the size told by vectornav_size.
 [[nodiscard]] VectorNavMessage parse_vectornav(std::string_view message);
 
+/// True if a message repeats the fix of the previous one: the unit does so until the receiver has a new one.
+[[nodiscard]] bool repeats(const GnssFix& fix, const GnssFix& previous);
+
 }  // namespace schuler::io
