@@ -136,6 +136,10 @@ def complex_faults(program, source):
         check(r["largest_horizontal_m"] < 10 < r["largest_horizontal_uncontrolled_m"], f"{case}: {r}")
     check(row["step", 2.0]["largest_horizontal_m"] < 10, "a step inside the noise is no danger")
     check(done["false_alarm_runs"] == 0, "no false alarm")
+    done = json.loads(program("analyze", "integrity", flight, "--kind", "freeze", "dropout", "step", "--size", "5,50", "-n", 1, "--json").stdout)
+    check([(r["kind"], r["size"]) for r in done["rows"]] == [("freeze", None), ("dropout", None), ("step", 5.0), ("step", 50.0)],
+          f"kinds without a size have one row: {done['rows']}")
+    program.fails("analyze", "integrity", flight, "--kind", "freeze", "--size", "5", "-n", 1, parts=["--size", "freeze"])
 
     told = json.loads(program("analyze", "requirements", "--budget", 5, "--outage", "60,3600", "--json").stdout)
     # closed formulas (1.4.5), (1.4.7) with g0 = 9.80665 m/s^2 and R = 6371 km

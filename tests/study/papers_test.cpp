@@ -1,6 +1,7 @@
 // `schuler paper`: the file of printed numbers, the judgement, and that every quick item reaches what is printed.
 #include "schuler/study/papers/papers.h"
 #include "schuler/core/error.h"
+#include "schuler/math/random.h"
 #include "schuler/study/papers/printed.h"
 #include "schuler/theory/paper_c_tables.h"
 
@@ -10,6 +11,8 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <regex>
 #include <set>
 
 namespace schuler::study {
@@ -33,6 +36,26 @@ TEST(PrintedNumbers, StandInOneFileWithPagesAndBelongToItems) {
     for (const PaperItem& item : paper_items()) in_program.insert(std::string(item.paper) + " " + item.name);
     EXPECT_EQ(in_file, in_program);
     EXPECT_GT(numbers, 180U);
+}
+
+TEST(PrintedNumbers, HavePagesOfTheirOwn) {
+    // sheets of the thesis, pages of the article; B and E are at hand without page numbers
+    const std::map<std::string, std::pair<int, int>> span{{"A", {1, 108}}, {"C", {69, 84}}, {"D", {69, 77}}};
+    for (const PrintedItem& item : printed_items()) {
+        SCOPED_TRACE(item.paper + " " + item.name + ", page " + item.page);
+        const auto known = span.find(item.paper);
+        if (known == span.end()) {
+            EXPECT_TRUE(item.page.starts_with("section \""));
+            continue;
+        }
+        std::smatch m;
+        ASSERT_TRUE(std::regex_match(item.page, m, std::regex("([0-9]+)(-([0-9]+))?")));
+        const int first = std::stoi(m[1]), last = m[3].matched ? std::stoi(m[3]) : first;
+        EXPECT_GE(first, known->second.first);
+        EXPECT_LE(last, known->second.second);
+        EXPECT_GE(last, first);
+        EXPECT_LE(last - first, 5) << "the pages of the paper, not of the item";
+    }
 }
 
 TEST(PrintedNumbers, OfPaperCAreThoseOfItsOracle) {
@@ -69,6 +92,28 @@ TEST(PrintedNumbers, AreHeldToTheirDigitsKindAndTolerance) {
     EXPECT_EQ(judged("printed=\"7\",to=\"8\",kind=\"between\"", 8.5), Agreement::Differs);
     EXPECT_EQ(judged("printed=\"0\",right=\"2e-3\",misprint=\"no\"", 2e-3), Agreement::Misprint);
     EXPECT_EQ(judged("printed=\"5\"", std::nan("")), Agreement::Differs);
+}
+
+TEST(PrintedNumbers, MayDeviateByThreeStandardErrorsBeyondTheTolerance) {
+    PrintedValue v;
+    v.printed = "16";
+    v.tolerance = 0.2;
+    EXPECT_EQ(agreement_of(v, 21.8), Agreement::Differs);
+    EXPECT_EQ(agreement_of(v, 21.8, 0.5), Agreement::Differs);
+    EXPECT_EQ(agreement_of(v, 21.8, 1.0), Agreement::Agrees);
+
+    // the mean of n values of unit variance has 1/sqrt(n)
+    PaperResult result;
+    math::Random random(1, "bootstrap test");
+    std::vector<double> x(400);
+    for (double& one : x) one = random.normal();
+    set_numbers(result, x.size(), [&](const std::vector<std::size_t>& which) {
+        double sum = 0.0;
+        for (const std::size_t i : which) sum += x[i] / static_cast<double>(which.size());
+        return std::vector<std::pair<std::string, double>>{{"mean", sum}};
+    });
+    // 200 draws: 5 % of it, and 3.5 % of the sample's own variance
+    EXPECT_NEAR(result.standard_errors.front().second, 0.05, 0.01);
 }
 
 /// Of `schuler paper LETTER all`, by item and key.

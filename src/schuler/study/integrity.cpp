@@ -19,11 +19,19 @@
 namespace schuler::study {
 namespace {
 
-/// A kind of fault as named in a scenario, and its size.
+/// A kind of fault as named in a scenario, and its size; NaN for the kinds without one.
 struct Case {
     std::string kind;
     double size;
 };
+
+bool has_size(const std::string& kind) { return kind != "freeze" && kind != "dropout"; }
+
+std::string label_of(const Case& c) {
+    if (!has_size(c.kind)) return c.kind;
+    const bool metres = c.kind == "step" || c.kind == "noise";
+    return fmt::format("{} {:g} {}", c.kind, c.size, metres ? "m" : "m/s");
+}
 
 /// Time of a detected fault, and its source of ranges; -1: the receiver's fixes.
 struct Finding {
@@ -145,8 +153,14 @@ report::Outcome analyze_integrity(const StudyRequest& request) {
     const double start = request.start > 0.0 ? request.start : std::floor(0.5 * first.sim.duration);
     const std::vector<std::string> kinds =
         request.kinds.empty() ? std::vector<std::string>{"step", "ramp", "drift"} : request.kinds;
+    if (!request.sizes.empty() && std::ranges::none_of(kinds, has_size))
+        throw input_error(fmt::format("\"{}\" has no size", kinds.front()), {.file = {}, .key = "--size"}, "leave it out");
     std::vector<Case> cases;
     for (const std::string& kind : kinds) {
+        if (!has_size(kind)) {
+            cases.push_back({kind, not_given});
+            continue;
+        }
         std::vector<double> sizes = request.sizes;
         if (sizes.empty())
             sizes = kind == "step" ? std::vector<double>{5, 10, 20, 50, 100} : std::vector<double>{0.1, 0.2, 0.5, 1, 2};
@@ -164,7 +178,7 @@ report::Outcome analyze_integrity(const StudyRequest& request) {
     // clang-format off
     const auto faulty_fixes = [&](settings::SettingList settings, const Case& c) {
         const settings::ValueTable fault{{"start_s", {start}}, {"duration_s", {request.duration}}, {"sensor", {std::string("gnss")}},
-                               {"kind", {c.kind}},   {"size", {c.size}},                 {"direction", {settings::ValueList{{1.0}, {1.0}, {0.0}}}}};
+                               {"kind", {c.kind}},   {"size", {has_size(c.kind) ? c.size : 0.0}}, {"direction", {settings::ValueList{{1.0}, {1.0}, {0.0}}}}};
         // clang-format on
         settings.push_back({"fault", {settings::ValueList{settings::Value{fault}}}, {"--kind", 0, 0, {}}});
         return settings::scenario_from(settings);
@@ -232,10 +246,8 @@ report::Outcome analyze_integrity(const StudyRequest& request) {
             hours += k == 0 ? v.healthy_hours : 0.0;
         }
         const analysis::Quantiles t = analysis::quantiles_of(times);
-        const bool metres = cases[k].kind == "step" || cases[k].kind == "noise";
-        table.rows.push_back({fmt::format("{} {:g} {}", cases[k].kind, cases[k].size, metres ? "m" : "m/s"), cases[k].kind,
-                              cases[k].size, detected, t.median, t.q95, analysis::quantiles_of(with).median,
-                              analysis::quantiles_of(without).median});
+        table.rows.push_back({label_of(cases[k]), cases[k].kind, cases[k].size, detected, t.median, t.q95,
+                              analysis::quantiles_of(with).median, analysis::quantiles_of(without).median});
     }
     report::Outcome out;
     out.tables = report::table_text(table);

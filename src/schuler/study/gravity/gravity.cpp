@@ -218,6 +218,7 @@ void estimate(GravityBundle& b, const std::set<std::string>& asked, WarningLog& 
     if (!b.run.truth.sensors.empty()) b.truth = truth_at(b.survey.forward, b.run.truth.sensors);
     b.errors = errors_of(b);
     b.innovations = innovations_of(b);
+    b.biased = gravimetry::most_biased_run(b.survey.aids, b.run.evaluation.settled);
     b.separation = separation_of(b);
     b.attainable = attainability(input, b.survey.forward, c.gravity);
     b.changes = gravity_changes(b, input);
@@ -229,6 +230,8 @@ void estimate(GravityBundle& b, const std::set<std::string>& asked, WarningLog& 
                    b.changes, [&](const GravityChange& change) { return change.sigma_n.z() < 0.5 * b.attainable.vertical; })) {
         b.attainable.statement += "; its change at a step is known better";
     }
+    if (b.verdict.usable && b.biased.significant())
+        warnings.add("gravity.model", dependence_of_innovations(b) + "; the sigmas are too small where that is so");
     b.classical = classical_gravity(b, input);
     b.lines = gravity_lines(b);
     b.run.timing.read_s = b.run.data.read_seconds;

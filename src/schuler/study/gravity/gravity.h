@@ -2,6 +2,7 @@
 #pragma once
 
 #include "schuler/filter/states/model.h"
+#include "schuler/gravimetry/innovation_runs.h"
 #include "schuler/gravimetry/lines.h"
 #include "schuler/gravimetry/resolution.h"
 #include "schuler/gravimetry/response.h"
@@ -113,6 +114,7 @@ struct GravityBundle {
     Attainability attainable;
     GravityErrors errors;
     GravityInnovations innovations;
+    gravimetry::InnovationRun biased;  ///< stretch of fixes with the most biased innovations
     GravitySeparation separation;
     std::vector<GravityChange> changes;  ///< one per step named in the settings
     GravityVerdict verdict;
@@ -145,6 +147,8 @@ struct GravityRow {
 /// At the steps of the input. @throws Error
 [[nodiscard]] std::vector<GravityChange> gravity_changes(const GravityBundle& bundle, const GravityInput& input);
 [[nodiscard]] GravityVerdict gravity_verdict(const GravityBundle& bundle);
+/// What the most biased stretch of innovations says about the model.
+[[nodiscard]] std::string dependence_of_innovations(const GravityBundle& bundle);
 /// The classical pipeline for the same input.
 [[nodiscard]] ClassicalGravity classical_gravity(const GravityBundle& bundle, const GravityInput& input);
 

@@ -79,12 +79,28 @@ void take_systematic_errors(const settings::GravityConfig& g, sensor::GnssErrorM
     }
 }
 
-/// If the disturbance is constant, sensor errors that vary many times during the survey average out like white noise of their density
-/// at zero frequency. In addition to a constant sensor error, represented by the bias state, they are modelled in this way: modelled
-/// as a random walk of that state, which is valid for times shorter than their correlation, they would mask the disturbance.
-void take_coloured_noise(double span, sensor::ImuErrorModel& e) {
+/// Metres per second between the fixes.
+double mean_speed(const std::vector<GnssFix>& fixes, const earth::Earth& earth) {
+    double distance = 0.0;
+    for (std::size_t i = 1; i < fixes.size(); ++i)
+        distance += fixes[i].velocity_n.allFinite()
+                        ? fixes[i].velocity_n.norm() * (fixes[i].time - fixes[i - 1].time).seconds()
+                        : earth::ned_difference(earth, fixes[i].position, fixes[i - 1].position).norm();
+    return distance / std::max(1e-9, (fixes.back().time - fixes.front().time).seconds());
+}
+
+/// The time in which the disturbance is the same: the survey, or the correlation time of its variable part.
+double steady_time(const filter::DisturbanceModel& model, double span, double speed) {
+    if (!model.has_random_part() || !(model.length > 0.0)) return span;
+    return std::min(span, model.by_time ? model.length : model.length / std::max(speed, 1e-9));
+}
+
+/// Sensor errors that vary many times while the disturbance is the same average out like white noise of their density at zero
+/// frequency. In addition to a constant sensor error, represented by the bias state, they are modelled in this way: modelled as a
+/// random walk of that state, which is valid for times shorter than their correlation, they would mask the disturbance.
+void take_coloured_noise(double steady, sensor::ImuErrorModel& e) {
     const auto take = [&](double& bias, double time, double constant, double& noise) {
-        if (!(constant > 0.0 && bias > 0.0 && time > 0.0 && time < 0.1 * span)) return;
+        if (!(constant > 0.0 && bias > 0.0 && time > 0.0 && time < 0.1 * steady)) return;
         noise = std::hypot(noise, bias * std::sqrt(2.0 * time));
         bias = 0.0;
     };
@@ -188,8 +204,9 @@ GravityInput gravity_input(const solution::LoadedDataset& data, WarningLog& warn
     }
     out.filter = gravimetry::gravity27(std::move(settings), disturbance_of(c.gravity));
     take_systematic_errors(c.gravity, out.filter.gnss.errors);
-    if (c.gravity.model == gravimetry::DisturbanceKind::Constant)
-        take_coloured_noise((run.imu.increments.back().time - run.imu.increments.front().time).seconds(), out.filter.imu.errors);
+    const double span = (run.imu.increments.back().time - run.imu.increments.front().time).seconds();
+    take_coloured_noise(steady_time(out.filter.disturbance.model, span, mean_speed(data.recording.gnss, c.filter.earth)),
+                        out.filter.imu.errors);
     Recording recording;
     recording.gnss = data.recording.gnss;
     recording.heading = data.recording.heading;

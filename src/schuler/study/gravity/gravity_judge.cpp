@@ -35,6 +35,22 @@ double refused_share(const GravityBundle& b) {
 
 }  // namespace
 
+std::string dependence_of_innovations(const GravityBundle& b) {
+    const gravimetry::InnovationRun& r = b.biased;
+    const std::string channel = fmt::format("{} {}", std::array{"north", "east", "vertical"}[static_cast<std::size_t>(r.axis)],
+                                            r.kind == filter::AidKind::GnssPosition ? "position" : "velocity");
+    if (r.throughout)
+        return fmt::format(
+            "the innovations of the {} are not independent, their means over {:.0f} s scatter by {:.2g} of their sigma: the "
+            "disturbance or an accelerometer varies in another way than the model (gravity.model, gravity.steps_s), or the fixes "
+            "have slower errors",
+            channel, r.length, r.sigmas);
+    return fmt::format(
+        "the innovations of the {} have a mean of {:.2g} sigma from {:.0f} to {:.0f} s: gravity or an accelerometer changes there "
+        "in a way that the model does not have (a step: name its time in gravity.steps_s), or the fixes have slower errors",
+        channel, r.sigmas, b.run.relative(r.from), b.run.relative(r.to));
+}
+
 GravityVerdict gravity_verdict(const GravityBundle& b) {
     GravityVerdict out;
     const auto refuse = [&](std::string why) {
@@ -55,6 +71,9 @@ GravityVerdict gravity_verdict(const GravityBundle& b) {
                            b.run.data.config.filter.loop == fusion::Loop::Open
                                ? "; an open loop holds for about an hour, take --loop closed or mixed"
                                : ""));
+    // A variable part follows what it was not made for, with a lag; a constant cannot.
+    if (b.biased.significant() && b.run.data.config.gravity.model == gravimetry::DisturbanceKind::Constant)
+        refuse(dependence_of_innovations(b));
     // An open loop leaves the range of the linear model gradually. The innovations show it first.
     const double band = b.innovations.high - 1.0;
     if (b.run.data.config.filter.loop == fusion::Loop::Open && b.innovations.nis > 1.0 + open_loop_bands * band)

@@ -25,6 +25,8 @@ struct PaperWork {
 /// Result of an item: numbers by the keys of data/papers.toml, tables and plots.
 struct PaperResult {
     std::vector<std::pair<std::string, double>> numbers{};
+    /// Of numbers of a Monte Carlo item, by the same keys: their scatter for so many runs.
+    std::vector<std::pair<std::string, double>> standard_errors{};
     std::vector<report::ResultTable> tables{};
     std::vector<report::Panel> panels{};
     std::string notes{};  ///< for display, below the tables
@@ -41,7 +43,8 @@ struct PaperItem {
 
 /// In the order of the papers.
 [[nodiscard]] std::vector<PaperItem> paper_a_algorithms();  ///< chapters 1 and 2
-[[nodiscard]] std::vector<PaperItem> paper_a_systems();     ///< tables 1.1.1, 1.2.1, 1.4.2
+[[nodiscard]] std::vector<PaperItem> paper_a_systems();     ///< tables 1.1.1 and 1.4.2
+[[nodiscard]] std::vector<PaperItem> paper_a_receiver();    ///< table 1.2.1
 [[nodiscard]] std::vector<PaperItem> paper_a_errors();      ///< section 4.1
 [[nodiscard]] std::vector<PaperItem> paper_a_flight();      ///< sections 4.2 and 4.3
 [[nodiscard]] std::vector<PaperItem> paper_b_items();
@@ -63,5 +66,10 @@ struct PaperItem {
     return {std::move(name), std::move(x), std::move(y), ink, mark};
 }
 [[nodiscard]] double paper_rms(const std::vector<double>& x);
+
+/// Numbers of an item from these of its runs (indices, possibly repeated).
+using NumbersOfRuns = std::function<std::vector<std::pair<std::string, double>>(const std::vector<std::size_t>&)>;
+/// Numbers of all runs, and their standard errors by bootstrap: drawn runs, with repetition, as many as there are. One run has none.
+void set_numbers(PaperResult& result, std::size_t runs, const NumbersOfRuns& numbers);
 
 }  // namespace schuler::study

@@ -1,9 +1,7 @@
-// Paper A, tables 1.1.1, 1.2.1 and 1.4.2: couplings, receiver, inertial unit.
+// Paper A, tables 1.1.1 and 1.4.2: couplings, inertial unit.
 #include "schuler/analysis/ensemble.h"
 #include "schuler/core/units.h"
 #include "schuler/filter/states/model.h"
-#include "schuler/math/random.h"
-#include "schuler/receiver/search.h"
 #include "schuler/report/result_table.h"
 #include "schuler/sensor/grades.h"
 #include "schuler/settings/scenario/comparison.h"
@@ -17,6 +15,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace schuler::study {
 namespace {
@@ -24,6 +23,8 @@ namespace {
 // --- table 1.1.1 ---
 
 constexpr std::array schemes{"separate", "loose-15", "tight", "medium", "deep"};
+enum Coupling : std::size_t { separate, loose, tight, medium, deep };
+enum Window : std::size_t { lost, jammed };  ///< of examples/paper-a-couplings.toml
 
 /// Root mean square of a number over the runs of a scheme.
 double over_runs(const SchemeCampaign& scheme, std::string_view key) {
@@ -34,95 +35,105 @@ double over_runs(const SchemeCampaign& scheme, std::string_view key) {
         if (!numbers.empty()) values.push_back(numbers[static_cast<std::size_t>(i)]);
     return paper_rms(values);
 }
+/// Median of a number of a window over the runs; a run that does not have it is the worst.
+double in_window(const SchemeCampaign& scheme, Window window, double WindowStatistics::*number) {
+    std::vector<double> values;
+    for (const std::vector<WindowStatistics>& run : scheme.windows) {
+        const double x = run.empty() ? not_given : run[window].*number;
+        values.push_back(std::isfinite(x) ? x : std::numeric_limits<double>::infinity());
+    }
+    std::ranges::sort(values);
+    return values[values.size() / 2];
+}
 
 PaperResult table_111(const PaperWork& w) {
-    settings::ValueList list;
-    for (const char* name : schemes) list.push_back({std::string(name)});
-    const CompareCampaign campaign = compare_campaign(
-        paper_settings("presets.toml", w.seed, {{"compare.schemes", {std::move(list)}, {}}}), {}, w.runs, w.jobs, w.progress);
+    const CompareCampaign campaign =
+        compare_campaign(paper_settings("paper-a-couplings.toml", w.seed), {}, w.runs, w.jobs, w.progress);
+    const auto of = [&](Coupling c) -> const SchemeCampaign& { return campaign.schemes[c]; };
     PaperResult out;
-    report::ResultTable table{"one flight through five couplings, from 60 s on",
+    report::ResultTable table{"one flight through five couplings, from 60 s on, both windows included",
                               {{"coupling", "coupling"},
                                {"horizontal_m", "horizontal", "m"},
                                {"up_m", "up", "m"},
                                {"velocity_m_s", "velocity", "m/s"},
                                {"heading_deg", "heading", "deg"}}};
+    report::ResultTable windows{"in the windows, median of the runs",
+                                {{"coupling", "coupling"},
+                                 {"lost_m", "signals lost: largest", "m"},
+                                 {"back_s", "satellites back after", "s"},
+                                 {"jammed_m", "jamming: largest", "m"},
+                                 {"held_db_hz", "held to", "dB-Hz"},
+                                 {"jammed_back_s", "back after", "s"}}};
     for (const SchemeCampaign& s : campaign.schemes) {
         std::vector<report::Cell>& row = table.rows.emplace_back();
         row.emplace_back(std::string(s.scheme->title));
         for (const char* key : {"horizontal_m", "up_m", "velocity_m_s", "heading_deg"}) row.emplace_back(over_runs(s, key));
+        windows.rows.push_back({std::string(s.scheme->title), in_window(s, lost, &WindowStatistics::horizontal_max),
+                                in_window(s, lost, &WindowStatistics::back),
+                                in_window(s, jammed, &WindowStatistics::horizontal_max),
+                                in_window(s, jammed, &WindowStatistics::held), in_window(s, jammed, &WindowStatistics::back)});
     }
-    out.tables.push_back(std::move(table));
-    out.tables.push_back(nees_table(campaign));
+    out.tables = {std::move(table), std::move(windows), nees_table(campaign)};
     WarningLog unheard;
-    const solution::ResultBundle deep =
-        solution::simulated_bundle(paper_scenario("presets.toml", w.seed), settings::known_scheme("deep").settings, unheard);
-    const auto ratio = [&](std::size_t one, std::size_t other, std::string_view key) {
-        return over_runs(campaign.schemes[one], key) / over_runs(campaign.schemes[other], key);
+    const solution::ResultBundle deep_filter = solution::simulated_bundle(paper_scenario("paper-a-couplings.toml", w.seed),
+                                                                          settings::known_scheme("deep").settings, unheard);
+    const auto ratio = [&](Coupling one, Coupling other, std::string_view key) {
+        return over_runs(of(one), key) / over_runs(of(other), key);
     };
-    out.numbers = {{"loose/separate", ratio(1, 0, "horizontal_m")},
-                   {"tight/separate", ratio(2, 0, "horizontal_m")},
-                   {"tight/loose velocity", ratio(2, 1, "velocity_m_s")},
-                   {"deep/tight velocity", ratio(4, 2, "velocity_m_s")},
-                   {"states of deep",
-                    static_cast<double>(filter::make_layout(deep.data.config.filter, deep.data.recording).without_slots())}};
-    out.notes =
-        "With a full sky and without jamming loose and tight see the same satellites: the position, which common slow errors of the ranges rule, is\n"
-        "the same, and the order of the table shows in the velocity.\n";
-    return out;
-}
-
-// --- table 1.2.1 ---
-
-/// Median time to find the fourth of eight satellites, each searched in a separate channel anywhere in the window, s.
-double start_time(const receiver::SearchWindow& window, std::uint64_t seed) {
-    const receiver::SignalStructure signal = receiver::gps_l1_ca();
-    const receiver::CorrelatorModel model(receiver::CorrelationPeak(signal.chip_rate), 0.5);
-    std::vector<double> fourth;
-    for (std::uint64_t trial = 0; trial < 21; ++trial) {
-        math::Random random(seed + trial, "start");
-        std::vector<double> found;
-        for (int satellite = 0; satellite < 8; ++satellite) {
-            receiver::LineOfSight truth{2.2e7, 0.0, 0.0, 0.0};
-            receiver::Replica centre = receiver::aligned_replica(signal, truth);
-            centre.code_phase += 0.9 * (2.0 * random.uniform() - 1.0) * window.code;
-            centre.carrier_frequency += 0.9 * (2.0 * random.uniform() - 1.0) * window.frequency;
-            receiver::Search search(signal, model, {}, window, centre);
-            while (!search.step(truth, receiver::cn0_from_db(45.0), random) && search.elapsed() < 60.0)
-                truth = truth.after(search.dwell());
-            found.push_back(search.elapsed());
+    const auto window_ratio = [&](Coupling one, Coupling other, Window window, double WindowStatistics::*number) {
+        return in_window(of(one), window, number) / in_window(of(other), window, number);
+    };
+    const auto largest = &WindowStatistics::horizontal_max;
+    const auto back = &WindowStatistics::back;
+    const auto held = &WindowStatistics::held;
+    double consistent = 0.0, not_above = 0.0, judged = 0.0;
+    for (const SchemeCampaign& s : campaign.schemes)
+        for (const analysis::EnsembleConsistency& n : s.nees) {
+            if (!std::isfinite(n.mean)) continue;
+            judged += 1.0;
+            consistent += n.in_band() ? 1.0 : 0.0;
+            not_above += n.mean <= n.high95 ? 1.0 : 0.0;
         }
-        std::ranges::sort(found);
-        fourth.push_back(found[3]);
+    // clang-format off
+    out.numbers = {{"loose/separate", ratio(loose, separate, "horizontal_m")},
+                   {"tight/separate", ratio(tight, separate, "horizontal_m")},
+                   {"tight/loose velocity", ratio(tight, loose, "velocity_m_s")},
+                   {"deep/tight velocity", ratio(deep, tight, "velocity_m_s")},
+                   {"lost loose/separate", window_ratio(loose, separate, lost, largest)},
+                   {"lost tight/loose", window_ratio(tight, loose, lost, largest)},
+                   {"back loose/separate", window_ratio(loose, separate, lost, back)},
+                   {"back medium/separate", window_ratio(medium, separate, lost, back)},
+                   {"back deep/separate", window_ratio(deep, separate, lost, back)},
+                   {"jammed loose/separate", window_ratio(loose, separate, jammed, largest)},
+                   {"jammed tight/loose", window_ratio(tight, loose, jammed, largest)},
+                   {"jammed medium/tight", window_ratio(medium, tight, jammed, largest)},
+                   {"jammed deep/tight", window_ratio(deep, tight, jammed, largest)},
+                   {"held medium", in_window(of(medium), jammed, held) - in_window(of(loose), jammed, held)},
+                   {"held deep", in_window(of(deep), jammed, held) - in_window(of(loose), jammed, held)},
+                   {"nees above", not_above / judged}, {"nees", consistent / judged},
+                   {"states of deep", static_cast<double>(filter::make_layout(deep_filter.data.config.filter, deep_filter.data.recording).without_slots())}};
+    // clang-format on
+    for (const std::size_t quantity : {std::size_t{0}, std::size_t{2}}) {
+        report::Panel panel{
+            quantity == 0 ? "horizontal error, root mean square over the runs" : "velocity error, root mean square over the runs",
+            "time, s", quantity == 0 ? "m" : "m/s"};
+        panel.log_y = true;
+        constexpr std::array inks{report::Ink::Muted, report::Ink::Vermillion, report::Ink::Blue, report::Ink::Sky,
+                                  report::Ink::Green};
+        for (std::size_t k = 0; k < campaign.schemes.size(); ++k) {
+            const SquaredCourse& course = campaign.schemes[k].course;
+            std::vector<double> t, y;
+            for (std::size_t i = 0; i < SquaredCourse::spans; ++i) {
+                if (!(course.count[quantity][i] > 0.0)) continue;
+                t.push_back(campaign.duration * (static_cast<double>(i) + 0.5) / static_cast<double>(SquaredCourse::spans));
+                y.push_back(std::sqrt(course.square[quantity][i] / course.count[quantity][i]));
+            }
+            panel.series.push_back(paper_curve(schemes[k], std::move(t), std::move(y), inks[k]));
+        }
+        for (const settings::CompareWindow& window : campaign.windows)
+            panel.spans.push_back({window.start, window.end, window.name, true});
+        out.panels.push_back(std::move(panel));
     }
-    return analysis::quantiles_of(fourth).median;
-}
-
-PaperResult table_121(const PaperWork& w) {
-    const settings::ScenarioConfig s = settings::scenario_from({{"name", {std::string("duostar1000")}, {}},
-                                                                {"trajectory.type", {std::string("paper_a")}, {}},
-                                                                {"gnss.receiver", {std::string("duostar1000")}, {}}});
-    const sim::GnssSettings& g = s.sim.gnss;
-    const receiver::SignalStructure signal = receiver::gps_l1_ca();
-    const double cold = start_time(receiver::cold_window(signal, 5000.0, 1e-6), w.seed),
-                 hot = start_time(receiver::predicted_window(signal, 3000.0, 60.0), w.seed);
-    const double aided = start_time(receiver::predicted_window(signal, 30.0, 0.5), w.seed);
-    PaperResult out;
-    out.numbers = {{"position", std::hypot(g.white_position.x(), g.errors.correlated_position.x())},
-                   {"velocity", std::hypot(g.white_velocity.x(), g.errors.correlated_velocity.x())},
-                   {"rate", g.rate},
-                   {"hot start", hot},
-                   {"cold start", cold}};
-    report::ResultTable table{"fourth of eight satellites found, 45 dB-Hz",
-                              {{"", "start"}, {"start", ""}, {"time_s", "time", "s"}}};
-    table.rows = {{"cold: whole code, 5 kHz and 1 ppm", "cold", cold},
-                  {"hot: 3 km, 60 m/s", "hot", hot},
-                  {"inertially aided: 30 m, 0.5 m/s", "aided", aided}};
-    out.tables.push_back(std::move(table));
-    out.notes =
-        "Ours: [gnss] receiver = \"duostar1000\", and the search of the receiver in the loop; what its channels can take of dynamics is docs/receiver.md.\n"
-        "30 ns of time are 9 m of range; a fix that is stamped so is late by 9 um at 300 m/s, and is taken as exact.\n"
-        "A cold start also waits up to 30 s for ephemerides, which the table's 30 s must contain.\n";
     return out;
 }
 
@@ -147,8 +158,7 @@ PaperResult table_142(const PaperWork&) {
 }  // namespace
 
 std::vector<PaperItem> paper_a_systems() {
-    return {{"A", "table-1.1.1", "five couplings on one flight", 4, 1.5, table_111},
-            {"A", "table-1.2.1", "the receiver DuoStar-1000", 0, 0.1, table_121},
+    return {{"A", "table-1.1.1", "five couplings on one flight with signals lost and jammed", 12, 3.0, table_111},
             {"A", "table-1.4.2", "the inertial unit HG9900", 0, 0.1, table_142}};
 }
 

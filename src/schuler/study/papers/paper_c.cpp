@@ -1,4 +1,5 @@
 // Paper C: closed solution of the errors along the equator.
+#include "schuler/core/units.h"
 #include "schuler/study/papers/item.h"
 #include "schuler/study/papers/printed.h"
 #include "schuler/theory/equator.h"
@@ -10,6 +11,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 namespace schuler::study {
 namespace {
@@ -65,11 +67,34 @@ PaperResult table_of(const char* vehicle) {
 PaperResult table_2(const PaperWork&) { return table_of("fighter"); }
 PaperResult table_3(const PaperWork&) { return table_of("ship"); }
 
+/// Initial errors of one metre of arc at the height of the fighter.
+PaperResult table_1(const PaperWork&) {
+    PaperResult out;
+    const double arc = 1.0 / EquatorFlight(paper_vehicles()[0].speed, paper_vehicles()[0].height).constants().R;
+    for (const auto& [set, angle, error] : {std::tuple{2, "dphi", lat}, std::tuple{3, "dlambda", lon}}) {
+        const auto key = [&, name = angle](const char* unit) {
+            return fmt::format("{} {} {}", sets[static_cast<std::size_t>(set)], name, unit);
+        };
+        out.numbers.emplace_back(key("rad"), arc);
+        out.numbers.emplace_back(key("deg"), arc / units::deg);
+        out.numbers.emplace_back(key("m"), paper_initial_errors(set)(error) / arc);
+    }
+    out.numbers.emplace_back("I dH m", paper_initial_errors(1)(height));
+    out.notes =
+        "The degrees are those of the metre, 8.969e-6; those of the printed 1.57e-7 rad are 9.00e-6, which table 2 has.\n";
+    return out;
+}
+
 PaperResult section_5(const PaperWork&) {
     PaperResult out;
     for (const PaperEntry& e : paper_tables())
         if (e.set == 0 && !e.vehicle.empty())
             out.numbers.emplace_back(fmt::format("{} {} {}", e.vehicle, e.quantity, e.unit), e.right);
+    return out;
+}
+
+PaperResult limits(const PaperWork&) {
+    PaperResult out;
     std::vector<double> h, east, west;
     for (const double km : {0.0, 100.0, 1000.0})
         out.numbers.emplace_back(fmt::format("limit {:.0f}", km), 10.0 * std::floor(0.1 * speed_limits(1000.0 * km).east));
@@ -101,6 +126,16 @@ Matrix6 printed_transition(const EquatorFlight& flight, double t) {
     return P;
 }
 
+/// exp(A t) with velocities in units of sqrt(g R), heights of R. In m/s and rad the elements of A differ by a factor of 10^7,
+/// and the exponential's fourteen squarings lose four digits.
+Matrix6 exponential(const EquatorFlight& flight, double t) {
+    const double R = flight.constants().R, speed = std::sqrt(flight.constants().g * R);
+    Vector6 unit;
+    unit << speed, speed, speed, R, 1.0, 1.0;
+    const Matrix6 scaled = unit.cwiseInverse().asDiagonal() * flight.dynamics() * unit.asDiagonal() * t;
+    return unit.asDiagonal() * Matrix6(scaled.exp()) * unit.cwiseInverse().asDiagonal();
+}
+
 PaperResult transition(const PaperWork&) {
     const PaperVehicle v = paper_vehicles()[0];
     const EquatorFlight flight(v.speed, v.height);
@@ -110,14 +145,15 @@ PaperResult transition(const PaperWork&) {
     double others = 0.0, corrected = 0.0;
     for (double s = 0.0; s <= 7200.0; s += 20.0) {
         const Matrix6 right = flight.transition(s);
-        const Matrix6 whole = (flight.dynamics() * s).exp();
+        const Matrix6 whole = exponential(flight, s);
         const Vector6 difference = printed_transition(flight, s) * x0 - whole * x0;
         t.push_back(s);
         dvh.push_back((printed_transition(flight, s) * x0 - right * x0)(vh));
         const Vector6 size = (whole * x0).cwiseAbs().cwiseMax(1e-9);
         for (Eigen::Index i = 0; i < 6; ++i)
             if (i != vh) others = std::max(others, std::abs(difference(i)) / std::max(size(i), 1.0));
-        corrected = std::max(corrected, (right - whole).cwiseAbs().maxCoeff() / whole.cwiseAbs().maxCoeff());
+        corrected =
+            std::max(corrected, whole.cwiseEqual(0.0).select(right, (right - whole).cwiseQuotient(whole)).cwiseAbs().maxCoeff());
     }
     PaperResult out;
     double largest = 0.0;
@@ -136,7 +172,9 @@ PaperResult transition(const PaperWork&) {
 }  // namespace
 
 std::vector<PaperItem> paper_c_items() {
-    return {{"C", "section-5", "roots, periods and limiting speeds", 0, 0.1, section_5},
+    return {{"C", "limits", "limiting speeds", 0, 0.1, limits},
+            {"C", "section-5", "roots and periods of both vehicles", 0, 0.1, section_5},
+            {"C", "table-1", "initial errors", 0, 0.1, table_1},
             {"C", "table-2", "errors of the fighter after an hour", 0, 0.1, table_2},
             {"C", "table-3", "errors of the ship after an hour", 0, 0.1, table_3},
             {"C", "transition", "the transition matrix (22) as printed and corrected", 0, 0.2, transition}};

@@ -2,6 +2,7 @@
 
 #include "schuler/core/error.h"
 #include "schuler/io/text/csv/csv_field.h"
+#include "schuler/math/random.h"
 #include "schuler/report/inner/json.h"
 #include "schuler/report/outputs.h"
 #include "schuler/report/result_table.h"
@@ -13,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace schuler::study {
 namespace {
@@ -23,6 +25,7 @@ namespace fs = std::filesystem;
 struct Row {
     const PrintedValue* printed;
     double ours;
+    double standard_error;  ///< 0: not a Monte Carlo number
     Agreement agreement;
 };
 struct Made {
@@ -60,6 +63,7 @@ report::ResultTable comparison_of(const Made& m) {
                                {"printed", ""},
                                {"right", ""},
                                {"ours", "ours", "", ".6g"},
+                               {"standard_error", "+-", "", ".2g"},
                                {"", "difference"},
                                {"agreement", "agreement"},
                                {"remark", ""},
@@ -67,11 +71,14 @@ report::ResultTable comparison_of(const Made& m) {
     for (const Row& r : m.rows) {
         const PrintedValue& v = *r.printed;
         std::string remark = r.agreement == Agreement::Agrees ? "" : v.remark;
-        if (r.agreement == Agreement::Agrees && v.tolerance && !agrees_exactly(v, r.ours))
-            remark = fmt::format("within the {:g} % allowed for runs, seed and reading", 100.0 * *v.tolerance);
+        if (r.agreement == Agreement::Agrees && agreement_of(v, r.ours) != Agreement::Agrees)
+            remark = fmt::format("within {:g} standard errors of so many runs", scatter_allowed);
+        else if (r.agreement == Agreement::Agrees && v.tolerance && !agrees_exactly(v, r.ours))
+            remark = fmt::format("within the {:g} % allowed for seed and reading", 100.0 * *v.tolerance);
         if (r.agreement == Agreement::Misprint || r.agreement == Agreement::Explained)
             remark = "right: " + v.right + "; " + remark;
-        table.rows.push_back({v.key, v.quantity, v.unit, statement_of(v), v.printed, v.right, r.ours, share_of(r),
+        table.rows.push_back({v.key, v.quantity, v.unit, statement_of(v), v.printed, v.right, r.ours,
+                              r.standard_error > 0.0 ? report::Cell(r.standard_error) : report::Cell{}, share_of(r),
                               name_of(r.agreement), v.remark, remark});
     }
     return table;
@@ -108,7 +115,7 @@ report::Json json_of(const Made& m) {
         // clang-format off
         rows.push_back({{"key", v.key}, {"quantity", v.quantity}, {"unit", v.unit}, {"printed", v.printed}, {"statement", statement_of(v)},
                         {"right", v.right.empty() ? report::Json(nullptr) : report::Json(number_of(v.right))}, {"ours", report::json_number(r.ours)},
-                        {"agreement", name_of(r.agreement)}, {"exact", agrees_exactly(v, r.ours)}, {"remark", v.remark}});
+                        {"standard_error", r.standard_error > 0.0 ? report::Json(r.standard_error) : report::Json(nullptr)}, {"agreement", name_of(r.agreement)}, {"exact", agrees_exactly(v, r.ours)}, {"remark", v.remark}});
         // clang-format on
     }
     report::Json plots = report::Json::array();
@@ -169,7 +176,10 @@ Made made(const PaperItem& item, const PaperRequest& request) {
     for (const PrintedValue& v : m.printed->values) {
         const auto ours = std::ranges::find(m.result.numbers, v.key, &std::pair<std::string, double>::first);
         const double number = ours == m.result.numbers.end() ? std::nan("") : ours->second;
-        m.rows.push_back({&v, number, agreement_of(v, number)});
+        const auto& errors = m.result.standard_errors;
+        const auto error = std::ranges::find(errors, v.key, &std::pair<std::string, double>::first);
+        const double standard_error = error == errors.end() ? 0.0 : error->second;
+        m.rows.push_back({&v, number, standard_error, agreement_of(v, number, standard_error)});
     }
     return m;
 }
@@ -207,8 +217,8 @@ report::Outcome listed(const PaperRequest& request) {
 const std::vector<PaperItem>& paper_items() {
     static const std::vector<PaperItem> all = [] {
         std::vector<PaperItem> out;
-        for (const auto make : {paper_a_systems, paper_a_algorithms, paper_a_errors, paper_a_flight, paper_b_items, paper_c_items,
-                                paper_d_items, paper_e_items, paper_e_laboratory})
+        for (const auto make : {paper_a_systems, paper_a_receiver, paper_a_algorithms, paper_a_errors, paper_a_flight,
+                                paper_b_items, paper_c_items, paper_d_items, paper_e_items, paper_e_laboratory})
             for (PaperItem& item : make()) out.push_back(item);
         return out;
     }();
@@ -231,6 +241,31 @@ double paper_rms(const std::vector<double>& x) {
     double sum = 0.0;
     for (const double v : x) sum += v * v;
     return std::sqrt(sum / static_cast<double>(x.size()));
+}
+
+void set_numbers(PaperResult& result, std::size_t runs, const NumbersOfRuns& numbers) {
+    std::vector<std::size_t> which(runs);
+    std::iota(which.begin(), which.end(), std::size_t{0});
+    const auto all = numbers(which);
+    result.numbers.insert(result.numbers.end(), all.begin(), all.end());
+    if (runs < 2) return;
+    constexpr int draws = 200;
+    math::Random random(1, "paper.bootstrap");
+    std::vector<double> sum(all.size()), squares(all.size());
+    for (int draw = 0; draw < draws; ++draw) {
+        for (std::size_t& i : which)
+            i = std::min(static_cast<std::size_t>(random.uniform() * static_cast<double>(runs)), runs - 1);
+        const auto drawn = numbers(which);
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            const double off = drawn[i].second - all[i].second;
+            sum[i] += off / draws;
+            squares[i] += off * off / draws;
+        }
+    }
+    // n drawn values scatter less than n new ones
+    const double few = static_cast<double>(runs) / static_cast<double>(runs - 1);
+    for (std::size_t i = 0; i < all.size(); ++i)
+        result.standard_errors.emplace_back(all[i].first, std::sqrt(few * std::max(0.0, squares[i] - sum[i] * sum[i])));
 }
 
 report::Outcome make_paper(const PaperRequest& request) {

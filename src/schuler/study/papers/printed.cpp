@@ -86,21 +86,23 @@ double room_about(const std::string& number, const std::optional<double>& tolera
     return *tolerance * (x > 0.0 ? x : 1.0);
 }
 
-bool holds(const PrintedValue& v, double ours) {
+/// `scatter`: of ours, in addition to the tolerance.
+bool holds(const PrintedValue& v, double ours, double scatter = 0.0) {
     const double printed = number_of(v.printed);
     constexpr double rounding = 1e-9;
     const double room =
         v.kind == PrintedValue::Kind::Equal || v.tolerance ? room_about(v.printed, v.tolerance) : rounding * std::abs(printed);
     switch (v.kind) {
-        case PrintedValue::Kind::AtMost: return ours <= printed + room;
-        case PrintedValue::Kind::AtLeast: return ours >= printed - room;
+        case PrintedValue::Kind::AtMost: return ours <= printed + room + scatter;
+        case PrintedValue::Kind::AtLeast: return ours >= printed - room - scatter;
         case PrintedValue::Kind::Between:
-            return ours >= printed - room && ours <= number_of(v.to) + room_about(v.to, v.tolerance.value_or(rounding));
+            return ours >= printed - room - scatter &&
+                   ours <= number_of(v.to) + room_about(v.to, v.tolerance.value_or(rounding)) + scatter;
         case PrintedValue::Kind::Equal: break;
     }
     // A printed zero with a correct number is exact: "no influence".
     if (printed == 0.0 && !v.right.empty()) return std::abs(ours) <= (number_of(v.right) == 0.0 ? room : 0.0);
-    return std::abs(ours - printed) <= room;
+    return std::abs(ours - printed) <= room + scatter;
 }
 
 }  // namespace
@@ -120,11 +122,13 @@ const char* name_of(Agreement agreement) {
     return "DIFFERS";
 }
 
-Agreement agreement_of(const PrintedValue& v, double ours) {
+Agreement agreement_of(const PrintedValue& v, double ours, double standard_error) {
     if (!std::isfinite(ours)) return Agreement::Differs;
+    const double scatter = scatter_allowed * standard_error;
     if (holds(v, ours)) return Agreement::Agrees;
-    if (v.right.empty() || std::abs(ours - number_of(v.right)) > room_about(v.right, v.tolerance)) return Agreement::Differs;
-    return v.misprint ? Agreement::Misprint : Agreement::Explained;
+    if (!v.right.empty() && std::abs(ours - number_of(v.right)) <= room_about(v.right, v.tolerance) + scatter)
+        return v.misprint ? Agreement::Misprint : Agreement::Explained;
+    return holds(v, ours, scatter) ? Agreement::Agrees : Agreement::Differs;
 }
 
 bool agrees_exactly(const PrintedValue& v, double ours) {

@@ -40,7 +40,10 @@ enum class Agreement {
     Differs
 };
 [[nodiscard]] const char* name_of(Agreement agreement);
-[[nodiscard]] Agreement agreement_of(const PrintedValue& value, double ours);
+/// Standard errors that a Monte Carlo number may deviate beyond the tolerance: three, 1 number in 370.
+inline constexpr double scatter_allowed = 3.0;
+/// `standard_error`: scatter of ours for its number of runs.
+[[nodiscard]] Agreement agreement_of(const PrintedValue& value, double ours, double standard_error = 0.0);
 /// Without the tolerance.
 [[nodiscard]] bool agrees_exactly(const PrintedValue& value, double ours);
 

@@ -77,6 +77,7 @@ struct TriadStatistics {
     double nees3 = 0, nees9 = 0;                  ///< per degree of freedom
 };
 [[nodiscard]] TriadStatistics statistics_of(const std::vector<TriadRun>& runs);
+[[nodiscard]] TriadStatistics statistics_of(const std::vector<const TriadRun*>& runs);
 
 /// Standard error of the pooled horizontal error of one set of 48 runs, m, by bootstrap. Run j has geometry j mod 48: with several
 /// runs of each geometry they are drawn from the same geometry, so that only noise contributes; otherwise geometries are drawn.

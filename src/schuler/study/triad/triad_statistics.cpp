@@ -16,10 +16,17 @@ constexpr std::size_t instants = (triad_epochs - from - 1) / step + 1;
 }  // namespace
 
 TriadStatistics statistics_of(const std::vector<TriadRun>& runs) {
+    std::vector<const TriadRun*> all;
+    for (const TriadRun& r : runs) all.push_back(&r);
+    return statistics_of(all);
+}
+
+TriadStatistics statistics_of(const std::vector<const TriadRun*>& runs) {
     TriadStatistics s;
     std::vector<double> each, three;
     const double n = static_cast<double>(runs.size()), epochs = static_cast<double>(instants);
-    for (const TriadRun& r : runs) {
+    for (const TriadRun* run : runs) {
+        const TriadRun& r = *run;
         double h = 0.0, v = 0.0;
         for (std::size_t i = from; i < triad_epochs; i += step) {
             h += r.horizontal[i] * r.horizontal[i] / epochs;
