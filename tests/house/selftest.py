@@ -29,8 +29,8 @@ GOOD = {
     "tests/house/filters.txt": "# comment\nsrc/schuler/math/filter.cpp LevelFrame\n",
     "tests/math/filters_test.cpp": "SCHULER_ERROR_MODEL(A, \"math.LevelFrame.error_b.error_by_name\", LevelFrame)\n",
     "tests/math/b_test.cpp": "#include \"support/perturbation.h\"\nSCHULER_JACOBIAN(error_b, \"math.error_b\") {}\nSCHULER_JACOBIAN(other, \"a.at_rest\") {}\n",
-    "ui/src/messages/en.json": '{"a.b": "in {n} runs", "c": "c", "reason.d": "{n} of {m} were left"}',
-    "ui/src/messages/uk.json": '{"a.b": "у {n} прогонах", "c": "ц", "option.x": "довідка", "reason.d": "лишилося {n} з {m}"}',
+    "ui/src/messages/en.json": '{"a.b": "in {n} runs", "c": "c", "e": "{n, plural, one {{n} run} other {{n} runs of {m}}}", "reason.d": "{n} of {m} were left"}',
+    "ui/src/messages/uk.json": '{"a.b": "у {n} прогонах", "c": "ц", "e": "{n, plural, one {прогін} few {прогони {m}} many {прогонів} other {прогону}}", "option.x": "довідка", "reason.d": "лишилося {n} з {m}"}',
     "ui/src/main.ts": 'h("p", null, t("a.b", { n: 1 }), t(`tab.${name}`));\n',
 }
 
@@ -74,6 +74,10 @@ BAD = [
     ("messages", "ui/src/messages/uk.json", '"option.x"', '"d"', "d is not in en.json"),
     ("messages", "ui/src/messages/uk.json", '"ц"', '" "', "c is empty"),
     ("messages", "ui/src/messages/uk.json", "у {n}", "у {m}", "a.b has other names in braces"),
+    ("messages", "ui/src/messages/uk.json", " many {прогонів}", "", "e has no form many"),
+    ("messages", "ui/src/messages/uk.json", "{прогони {m}}", "{прогони}", "e has other names in braces"),
+    ("messages", "ui/src/messages/uk.json", "other {прогону}}", "other {прогону}", "e has an open brace"),
+    ("messages", "ui/src/messages/uk.json", "у {n}", "у '{n}'", "a.b has a quoted brace"),
     ("messages", "src/schuler/math/text.cpp", "left", "kept", "reason.d is no sentence of the program"),
     ("messages", "ui/src/main.ts", '"a.b"', '"a.c"', "a.c is in no message file"),
 ]

@@ -6,7 +6,7 @@ import { Linked } from "../plots/linked";
 import { PlanView, type Track2d } from "../plots/plan";
 import { TimePlot, linkCursors } from "../plots/timeplot";
 import { attitudePlots } from "./attitude";
-import { eventList, happenings, marksOf } from "./events";
+import { eventList, type Happening } from "./events";
 import { factsCard } from "./facts";
 import { overview, statCards } from "./overview";
 import type { View } from "./track";
@@ -210,9 +210,8 @@ export function outagePlots(run: string, groups: Group[], linked: Linked): TimeP
   });
 }
 
-export async function qualityView(run: RunDetails, groups: Group[], linked: Linked, others: { id: string; title: string }[]): Promise<View> {
-  const [plan, events] = await Promise.all([map(run, groups, linked), happenings(run, groups)]);
-  linked.marks = marksOf(events);
+export async function qualityView(run: RunDetails, groups: Group[], linked: Linked, others: { id: string; title: string }[], happened: Promise<Happening[]>): Promise<View> {
+  const [plan, events] = await Promise.all([map(run, groups, linked), happened]);
   const plots = [
     ...outagePlots(run.id, groups, linked),
     ...separationPlots(run.id, groups, linked),

@@ -3,9 +3,11 @@ import { api, watchRuns, type Group, type RunDetails, type RunEvent } from "../a
 import { h, icon, replace, saveAs, tell } from "../dom";
 import { number, t } from "../i18n";
 import type { Page } from "../page";
+import { said } from "../reasons";
 import { Linked } from "../plots/linked";
 import { TimePlot, linkCursors } from "../plots/timeplot";
 import { ensembleView } from "./ensemble";
+import { happenings, marksOf, type Happening } from "./events";
 import { gravityView } from "./gravity";
 import { noiseView } from "./noise";
 import { documentView } from "./document";
@@ -149,6 +151,14 @@ async function finished(run: RunDetails, first: string): Promise<Page> {
   }));
   const place = h("div", { class: "view", role: "tabpanel", id: "view", tabIndex: 0 });
   const made = new Map<string, View>();
+  // what happened is marked on every axis of time, whichever view is opened first
+  let happened: Promise<Happening[]> | null = null;
+  const events = () =>
+    (happened ??= happenings(run, groups).then((all) => {
+      linked.marks = marksOf(all);
+      if (linked.marks.length > 0) made.forEach((v) => v.redraw());
+      return all;
+    }));
   let current = "";
   const make = async (name: string): Promise<View> => {
     const plain = (element: HTMLElement): View => ({ element, redraw: () => undefined });
@@ -211,7 +221,7 @@ async function finished(run: RunDetails, first: string): Promise<Page> {
         );
       }
       default:
-        return qualityView(run, groups, linked, others);
+        return qualityView(run, groups, linked, others, events());
     }
   };
   const buttons = tabs
@@ -300,11 +310,13 @@ async function finished(run: RunDetails, first: string): Promise<Page> {
       }),
     ),
     note,
-    run.state === "failed" && h("p", { class: "bad", role: "alert" }, `${t("run.failed")}: ${run.message}`),
+    run.state === "failed" && h("p", { class: "bad", role: "alert" }, `${t("run.failed")}: ${said(run.message)}`),
     list,
     place,
   );
-  await show(first !== "" && buttons.some((b) => b.id === `tab-${first}`) ? first : run.state === "done" ? (isDocument(run) ? "document" : "overview") : "log");
+  const view = first !== "" && buttons.some((b) => b.id === `tab-${first}`) ? first : run.state === "done" ? (isDocument(run) ? "document" : "overview") : "log";
+  await show(view);
+  if (groups.length > 0) void events().catch(() => undefined);
   return { title: run.title, element, redraw: () => made.forEach((v) => v.redraw()) };
 }
 
