@@ -319,17 +319,22 @@ def arguments_of(text, language):
 def messages(root):
     """The page's texts: every language has those of en.json, none empty, with the same {names} and all plural forms of the language;
     those the page asks for are there.
-    Another language may have more only for the option table (option., label., key.), whose English stands in the program."""
+    Another language may have more only for the option table (label., key.), whose English stands in the program."""
     def texts(path):
         return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
 
     folder, found = root / "ui/src", []
     english = texts(folder / "messages/en.json")
-    for path in sorted((folder / "messages").glob("*.json")):
+    # sentences of the options, by their English; ui/tests/texts_test.mjs holds them to what the program sends
+    helps = {path: texts(path) for path in sorted((folder / "messages").glob("help.*.json"))}
+    for path, own in helps.items():
+        found += [finding(root, path, 1, f"{key} is empty") for key, text in own.items() if not text.strip()]
+        found += [finding(root, path, 1, f"{key} is missing") for key in sorted(set().union(*helps.values()) - own.keys())]
+    for path in sorted(set((folder / "messages").glob("*.json")) - helps.keys()):
         own = texts(path)
         found += [finding(root, path, 1, f"{key} is missing") for key in english if key not in own]
         found += [finding(root, path, 1, f"{key} is not in en.json") for key in own
-                  if key not in english and not key.startswith(("option.", "label.", "key."))]
+                  if key not in english and not key.startswith(("label.", "key."))]
         found += [finding(root, path, 1, f"{key} is empty") for key, text in own.items() if not text.strip()]
         for key, text in own.items():
             names, wrong = arguments_of(text, path.stem)

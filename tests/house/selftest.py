@@ -30,7 +30,9 @@ GOOD = {
     "tests/math/filters_test.cpp": "SCHULER_ERROR_MODEL(A, \"math.LevelFrame.error_b.error_by_name\", LevelFrame)\n",
     "tests/math/b_test.cpp": "#include \"support/perturbation.h\"\nSCHULER_JACOBIAN(error_b, \"math.error_b\") {}\nSCHULER_JACOBIAN(other, \"a.at_rest\") {}\n",
     "ui/src/messages/en.json": '{"a.b": "in {n} runs", "c": "c", "e": "{n, plural, one {{n} run} other {{n} runs of {m}}}", "reason.d": "{n} of {m} were left"}',
-    "ui/src/messages/uk.json": '{"a.b": "у {n} прогонах", "c": "ц", "e": "{n, plural, one {прогін} few {прогони {m}} many {прогонів} other {прогону}}", "option.x": "довідка", "reason.d": "лишилося {n} з {m}"}',
+    "ui/src/messages/uk.json": '{"a.b": "у {n} прогонах", "c": "ц", "e": "{n, plural, one {прогін} few {прогони {m}} many {прогонів} other {прогону}}", "label.x": "довідка", "reason.d": "лишилося {n} з {m}"}',
+    "ui/src/messages/help.uk.json": '{"a sentence": "речення"}',
+    "ui/src/messages/help.ru.json": '{"a sentence": "предложение"}',
     "ui/src/main.ts": 'h("p", null, t("a.b", { n: 1 }), t(`tab.${name}`));\n',
 }
 
@@ -71,13 +73,15 @@ BAD = [
     ("error_models", "tests/house/filters.txt", "LevelFrame", "LevelFrame OtherFrame", "OtherFrame is not registered"),
     ("error_models", "tests/house/filters.txt", "", "src/gone.cpp A\n", "there is no src/gone.cpp"),
     ("messages", "ui/src/messages/uk.json", '"c"', '"option.c"', "c is missing"),
-    ("messages", "ui/src/messages/uk.json", '"option.x"', '"d"', "d is not in en.json"),
+    ("messages", "ui/src/messages/uk.json", '"label.x"', '"d"', "d is not in en.json"),
     ("messages", "ui/src/messages/uk.json", '"ц"', '" "', "c is empty"),
     ("messages", "ui/src/messages/uk.json", "у {n}", "у {m}", "a.b has other names in braces"),
     ("messages", "ui/src/messages/uk.json", " many {прогонів}", "", "e has no form many"),
     ("messages", "ui/src/messages/uk.json", "{прогони {m}}", "{прогони}", "e has other names in braces"),
     ("messages", "ui/src/messages/uk.json", "other {прогону}}", "other {прогону}", "e has an open brace"),
     ("messages", "ui/src/messages/uk.json", "у {n}", "у '{n}'", "a.b has a quoted brace"),
+    ("messages", "ui/src/messages/help.uk.json", "a sentence", "another", "a sentence is missing"),
+    ("messages", "ui/src/messages/help.ru.json", "предложение", "", "a sentence is empty"),
     ("messages", "src/schuler/math/text.cpp", "left", "kept", "reason.d is no sentence of the program"),
     ("messages", "ui/src/main.ts", '"a.b"', '"a.c"', "a.c is in no message file"),
 ]

@@ -1,17 +1,13 @@
 // A form from the option table of the program: one field an option, its unit, its sentence, what it is now and what is wrong.
 import type { Json, Option, Problem, Settings, Understood } from "./api";
 import { append, h, replace } from "./dom";
-import { maybe, t } from "./i18n";
-import { helpKeys, labelKeys, sectionOf, wordsOf } from "./labels";
+import { help, maybe, t } from "./i18n";
+import { labelKeys, sectionOf, wordsOf } from "./labels";
 import { said } from "./reasons";
 
 export function labelOf(key: string): string {
   const [own, words] = labelKeys(key);
   return maybe(own, maybe(words, wordsOf(key)));
-}
-
-function helpOf(option: Option, command: string): string {
-  return helpKeys(option.key, command).reduceRight((otherwise, key) => maybe(key, otherwise), option.help);
 }
 
 const nameOf = (section: string) => maybe(`section.${section}`, section.replaceAll(".", " ").replaceAll("_", " "));
@@ -92,7 +88,6 @@ export class OptionForm {
   private readonly onlySet = h("input", { type: "checkbox", onChange: () => this.filter() });
   private readonly kinds: string[];
   private readonly first: string[];
-  private readonly command: string;
   /** Fields whose text is no value: what is used is still the one before. */
   private readonly wrong = new Set<string>();
   /** Told whenever the number of such fields changes. */
@@ -103,12 +98,11 @@ export class OptionForm {
     private readonly changed: () => void,
     private readonly skip: (key: string) => boolean = () => false,
     open: string[] = [],
-    /** Options that stand first, open; and the command whose options these are. */
-    more: { first?: string[]; command?: string } = {},
+    /** Options that stand first, open. */
+    first: string[] = [],
   ) {
     this.kinds = options.find((o) => o.key === "trajectory.type")?.choices ?? [];
-    this.first = (more.first ?? []).filter((key) => options.some((o) => o.key === key));
-    this.command = more.command ?? "";
+    this.first = first.filter((key) => options.some((o) => o.key === key));
     append(this.element, h("div", { class: "form-tools" }, this.search, h("label", null, this.onlySet, t("form.only_set"))));
     const main = this.first.length > 0 ? this.section("main", true) : null;
     for (const key of this.first) main!.append(this.field(options.find((o) => o.key === key)!));
@@ -136,7 +130,7 @@ export class OptionForm {
     const id = `option-${option.key.replaceAll(".", "-")}`;
     const message = h("p", { class: "field-wrong", id: `${id}-wrong`, role: "alert", hidden: true });
     const doubt = h("p", { class: "field-doubt", hidden: true });
-    const help = helpOf(option, this.command);
+    const sentence = help(option.help);
     const described = { "aria-describedby": `${id}-help ${id}-wrong` };
     const inputs: Field["inputs"] = [];
     const choices = option.shape === "texts" ? [] : option.choices; // of a list more than one may be given
@@ -195,7 +189,7 @@ export class OptionForm {
       h(
         "p",
         { class: "help", id: `${id}-help` },
-        help,
+        sentence,
         option.shape === "number" || option.shape === "integer"
           ? h(
               "span",
@@ -329,7 +323,7 @@ export class OptionForm {
       field.doubt.hidden = false;
       const unsure = f.confidence < 0.9;
       field.row.classList.toggle("doubtful", unsure);
-      replace(field.doubt, `${unsure ? "⚠ " : "✓ "}${t("data.sure", { percent: Math.round(100 * f.confidence) })}: ${f.why}`);
+      replace(field.doubt, `${unsure ? "⚠ " : "✓ "}${t("data.sure", { percent: Math.round(100 * f.confidence) })}: ${said(f.why)}`);
       if (unsure) field.row.closest("details")!.open = true;
     }
   }

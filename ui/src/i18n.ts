@@ -36,6 +36,30 @@ export function t(key: string, values: Record<string, string | number> = {}): st
   return String(format.format(values));
 }
 
+/** Sentences of the options by their English, which the program sends: only who reads them in another language loads them. */
+const helps: Record<string, Messages> = {};
+const helpFiles: Record<string, () => Promise<{ default: Messages }>> = {
+  uk: () => import("./messages/help.uk.json"),
+  ru: () => import("./messages/help.ru.json"),
+};
+
+/** Until this is done, sentences of options are in English. */
+export async function helpReady(): Promise<void> {
+  const name = language;
+  const load = helpFiles[name];
+  if (load && !helps[name]) helps[name] = (await load()).default;
+}
+
+export function help(text: string): string {
+  const known = helps[language];
+  if (!known) return text;
+  if (known[text]) return known[text];
+  // "value that the filter assumes instead of the simulated one: gyro angle random walk"
+  const at = text.indexOf(": ");
+  const [head, tail] = [known[text.slice(0, at)], known[text.slice(at + 2)]];
+  return at > 0 && head && tail ? `${head}: ${tail}` : text;
+}
+
 /** A text that may be missing: `otherwise` then. */
 export function maybe(key: string, otherwise: string): string {
   return languages[language]?.[key] ?? (en as Messages)[key] ?? otherwise;

@@ -31,11 +31,6 @@ export function labelKeys(key: string): [string, string] {
   return [`key.${key}`, `label.${wordsOf(key)}`];
 }
 
-/** Where a language may have the sentence of an option: of the command that takes it, or of its key. */
-export function helpKeys(key: string, command = ""): string[] {
-  return [...(command ? [`option.${command}.${key}`] : []), `option.${key}`];
-}
-
 /** The options that most users set, in the order in which a form has them first. */
 export const mainOptions = {
   scenario: [

@@ -1,6 +1,6 @@
 // The server of `schuler ui` and a browser on its page, for the tests of the page.
 import { spawn } from "node:child_process";
-import { existsSync } from "node:fs";
+import { existsSync, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { join, resolve } from "node:path";
 
@@ -59,6 +59,15 @@ export async function browse(options, settings = {}) {
   await context.addInitScript(() => {
     if (window.top === window) localStorage.getItem("schuler.language") ?? localStorage.setItem("schuler.language", "en");
   });
+  // the page from a folder instead of that in the program: no build after a change of it
+  if (options.dist)
+    await context.route(/\/(index\.html)?(\?[^/]*)?$|\/assets\/|\/icon\.svg$/, async (route) => {
+      const path = new URL(route.request().url()).pathname.slice(1) || "index.html";
+      const response = await route.fetch({ maxRedirects: 0 });
+      if (response.status() >= 300 && response.status() !== 404) return route.fulfill({ response });
+      const type = { html: "text/html", js: "text/javascript", css: "text/css", svg: "image/svg+xml" }[path.split(".").at(-1)];
+      return route.fulfill({ status: 200, headers: { ...response.headers(), "content-type": `${type}; charset=utf-8` }, body: readFileSync(join(options.dist, path)) });
+    });
   const page = await context.newPage();
   page.setDefaultTimeout(30_000);
   return { browser, context, page, require };

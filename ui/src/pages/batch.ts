@@ -68,7 +68,7 @@ export async function batchPage(query: URLSearchParams): Promise<Page> {
     allow();
   });
   const keep = () => keepDraft({ settings: profile.settings, title: title.value }, at);
-  const profile = new OptionForm(options.filter((o) => !ownMatter.test(o.key)), () => (keep(), check()), () => false, [], { first: mainOptions.dataset });
+  const profile = new OptionForm(options.filter((o) => !ownMatter.test(o.key)), () => (keep(), check()), () => false, [], mainOptions.dataset);
   profile.judged = (wrong) => ((invalid.profile = wrong), allow());
   title.addEventListener("input", keep);
 
@@ -96,7 +96,7 @@ export async function batchPage(query: URLSearchParams): Promise<Page> {
     taskOptions = null;
     replace(place);
     if (command && task !== "gnss") {
-      taskOptions = new OptionForm(command.options.filter((o) => !["seed", "runs", "response"].includes(o.key)), allow, () => false, ["general"], { command: command.command });
+      taskOptions = new OptionForm(command.options.filter((o) => !["seed", "runs", "response"].includes(o.key)), allow, () => false, ["general"]);
       taskOptions.judged = (wrong) => ((invalid.options = wrong), allow());
       const used: Settings = {};
       for (const o of command.options) if (o.default !== null) used[o.key] = o.default;

@@ -102,7 +102,7 @@ function findings(found: Inspection): HTMLElement {
               }),
               ` ${f.confidence < 0.9 ? "⚠ " : ""}${Math.round(100 * f.confidence)} %`,
             ),
-            h("td", null, f.why),
+            h("td", null, said(f.why)),
           ),
         ),
       ),
@@ -150,7 +150,7 @@ export async function dataPage(name: string, query: URLSearchParams): Promise<Pa
     },
     (key) => key === "outage",
     [],
-    { first: mainOptions.dataset },
+    mainOptions.dataset,
   );
   form.judged = (wrong) => {
     invalid.fields = wrong;

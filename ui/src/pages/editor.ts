@@ -148,7 +148,7 @@ export async function editorPage(query: URLSearchParams): Promise<Page> {
     },
     (key) => key === "outage",
     [],
-    { first: mainOptions.scenario },
+    mainOptions.scenario,
   );
   form.judged = (wrong) => {
     invalid.fields = wrong;

@@ -146,7 +146,7 @@ function form(study: CommandForm, examples: { name: string; toml: string }[], se
     undefined,
     (order) => api.startStudy(order),
   );
-  const options = new OptionForm(study.options, () => (items?.(), allow()), () => false, ["general"], { command: study.command });
+  const options = new OptionForm(study.options, () => (items?.(), allow()), () => false, ["general"]);
   const obstacle = h("p", { class: "note", hidden: true });
   let recording: RecordingChoice | null = null;
   const list = h("div");

@@ -110,7 +110,7 @@ export class TaskChoice {
       const options = command.options.filter((o) => o.key !== "seed" && o.key !== "runs" && o.key !== "response" && (task === "ahrs" || task === "gravity" || !hidden.includes(o.key)));
       const used: Settings = {};
       for (const o of options) if (o.default !== null) used[o.key] = o.default;
-      const form = new OptionForm(options, () => this.changed(), () => false, ["general"], { command: command.command });
+      const form = new OptionForm(options, () => this.changed(), () => false, ["general"]);
       form.judged = (wrong) => {
         this.wrong = wrong;
         this.changed();
