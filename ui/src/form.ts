@@ -266,7 +266,7 @@ export class OptionForm {
             : option.shape === "flag"
               ? t(used ? "yes" : "no")
               : shownValue(used);
-        input.options[0]!.textContent = `${word} ${t("form.default")}`;
+        input.options[0]!.textContent = used === undefined || used === null ? word : `${word} ${t("form.default")}`;
       } else {
         input.placeholder =
           inputs.length > 1

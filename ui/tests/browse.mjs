@@ -19,6 +19,7 @@ export async function serve(program, folder, words = [], port = 0) {
     cwd: folder,
     stdio: ["ignore", "pipe", "inherit"],
   });
+  process.on("exit", () => server.kill());   // a test that ends early leaves no server behind
   const entrance = await new Promise((resolve, reject) => {
     server.stdout.on("data", (d) => {
       const found = /http:\S+/.exec(String(d));
@@ -63,13 +64,17 @@ export async function browse(options, settings = {}) {
   if (options.dist)
     await context.route(/\/(index\.html)?(\?[^/]*)?$|\/assets\/|\/icon\.svg$/, async (route) => {
       const path = new URL(route.request().url()).pathname.slice(1) || "index.html";
-      const response = await route.fetch({ maxRedirects: 0 });
-      if (response.status() >= 300 && response.status() !== 404) return route.fulfill({ response });
-      const type = { html: "text/html", js: "text/javascript", css: "text/css", svg: "image/svg+xml" }[path.split(".").at(-1)];
-      return route.fulfill({ status: 200, headers: { ...response.headers(), "content-type": `${type}; charset=utf-8` }, body: readFileSync(join(options.dist, path)) });
+      try {
+        const response = await route.fetch({ maxRedirects: 0 });
+        if (response.status() >= 300 && response.status() !== 404) return await route.fulfill({ response });
+        const type = { html: "text/html", js: "text/javascript", css: "text/css", svg: "image/svg+xml" }[path.split(".").at(-1)];
+        await route.fulfill({ status: 200, headers: { ...response.headers(), "content-type": `${type}; charset=utf-8` }, body: readFileSync(join(options.dist, path)) });
+      } catch {
+        await route.abort().catch(() => undefined);   // the tab is closed, or the server ends
+      }
     });
   const page = await context.newPage();
-  page.setDefaultTimeout(30_000);
+  page.setDefaultTimeout(1000 * Number(options.wait ?? 30));
   return { browser, context, page, require };
 }
 

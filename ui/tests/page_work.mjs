@@ -66,6 +66,16 @@ async function batch(t) {
   }
   mkdirSync(join(data, "empty"), { recursive: true });
   writeFileSync(join(data, "empty", "notes.txt"), "nothing\n");
+  // the logs as they are: signals of several files on one axis of time
+  await page.goto(`${address}#/data/drive-a`);
+  await page.locator(".raw-signals > summary").click();
+  const signal = (name) => page.locator(".raw-signals button.signal", { hasText: name }).first();
+  await page.locator(".raw-signals").getByPlaceholder("Find a signal").fill("gyro_z");
+  await signal("gyro_z").click();
+  await page.locator(".raw-signals").getByPlaceholder("Find a signal").fill("gnss height");
+  await signal("height").click();
+  const raw = () => page.evaluate(() => document.querySelector(".raw-signals figure.plot")?.plot.data.y.map((y) => y.filter((v) => v !== null).length) ?? []);
+  check(await soon(async () => (await raw()).length >= 2 && (await raw()).every((n) => n > 100)), `raw logs are drawn together: ${await raw()}`);
   await page.goto(address);
   await page.getByRole("link", { name: "Process several together" }).click();
   const start = page.locator("button.primary.run");

@@ -10,7 +10,7 @@ import { said } from "../reasons";
 import { OutageLine } from "../plots/timeline";
 import { noiseView } from "./noise";
 import { runButton } from "./runbutton";
-import { rawCard } from "./raw";
+import { rawCard, rawSignals } from "./raw";
 import { TaskChoice } from "./tasks";
 
 function problems(list: Inspection["problems"]): HTMLElement {
@@ -250,6 +250,7 @@ export async function dataPage(name: string, query: URLSearchParams): Promise<Pa
       findings(found),
     ),
     rawCard(name, found),
+    rawSignals(name, found),
     noise,
     outages.element,
     h(

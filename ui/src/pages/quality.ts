@@ -4,7 +4,7 @@ import { h } from "../dom";
 import { maybe, number, t } from "../i18n";
 import { Linked } from "../plots/linked";
 import { PlanView, type Track2d } from "../plots/plan";
-import { TimePlot, linkCursors } from "../plots/timeplot";
+import { TimePlot, linkCursors, stacked } from "../plots/timeplot";
 import { attitudePlots } from "./attitude";
 import { eventList, type Happening } from "./events";
 import { factsCard } from "./facts";
@@ -166,8 +166,8 @@ function carrierPlots(run: string, groups: Group[], linked: Linked): TimePlot[] 
 export function separationPlots(run: string, groups: Group[], linked: Linked): TimePlot[] {
   const g = groups.find((x) => x.group === "/separation");
   if (!g) return [];
-  return g.columns
-    .filter((c) => /\/(position|velocity|attitude):/.test(c.id))
+  return ["position", "velocity", "attitude"]
+    .flatMap((table) => g.columns.filter((c) => c.id.includes(`/${table}:`)))
     .map((c, i) => {
       const sigma = c.id.replace(/\/(\w+):/, "/std_$1:");
       return new TimePlot(
@@ -178,6 +178,7 @@ export function separationPlots(run: string, groups: Group[], linked: Linked): T
           band: t("band"),
           include: [0],
           robust: true,
+          stack: `separation ${/\/(\w+):/.exec(c.id)![1]!}`,
           height: 165,
           load: loader(run, [c.id, sigma], ([v, s]) => [v!, s!.map((x) => (x === null ? null : 3 * x)), s!.map((x) => (x === null ? null : -3 * x))]),
         },
@@ -231,7 +232,7 @@ export async function qualityView(run: RunDetails, groups: Group[], linked: Link
       "div",
       { class: "quality-grid" },
       h("div", { class: "quality-left" }, verdictCard(run), plan?.element, (events.length > 0 || plan) && eventList(events, linked), !plan && figures),
-      h("div", { class: "quality-right" }, growth?.element, ...plots.map((p) => p.element)),
+      h("div", { class: "quality-right" }, growth?.element, ...stacked(plots)),
     ),
     factsCard(run, others),
     plan && figures,

@@ -5,7 +5,7 @@ import { number, t } from "../i18n";
 import type { Page } from "../page";
 import { said } from "../reasons";
 import { Linked } from "../plots/linked";
-import { TimePlot, linkCursors } from "../plots/timeplot";
+import { TimePlot, linkCursors, stacked } from "../plots/timeplot";
 import { ensembleView } from "./ensemble";
 import { happenings, marksOf, type Happening } from "./events";
 import { gravityView } from "./gravity";
@@ -26,7 +26,7 @@ function plotsView(plots: TimePlot[], linked: Linked, note = ""): View {
     null,
     note && h("p", { class: "muted" }, note),
     plots.length === 0 && h("p", { class: "muted" }, t("plot.empty")),
-    h("div", { class: "plots" }, ...plots.map((p) => p.element)),
+    h("div", { class: "plots" }, ...stacked(plots)),
   );
   return { element, redraw: () => plots.forEach((p) => p.redraw()) };
 }
@@ -106,6 +106,9 @@ export function isDocument(run: RunDetails): boolean {
   return run.summary !== null && (run.kind === "study" || run.summary.schemes !== undefined);
 }
 
+/** Of fewer samples the program makes no Allan deviation. */
+const fewestForAllan = 64;
+
 /** Whether a run has what a tab shows. */
 function shown(tab: (typeof tabs)[number], run: RunDetails, groups: Group[]): boolean {
   const has = (start: string) => groups.some((g) => g.group.startsWith(start));
@@ -130,7 +133,7 @@ function shown(tab: (typeof tabs)[number], run: RunDetails, groups: Group[]): bo
     case "document":
       return isDocument(run);
     case "noise":
-      return run.kind !== "montecarlo" && run.kind !== "study" && !isDocument(run) && run.state === "done" && (run.summary?.imu?.epochs ?? 0) > 1 && (run.files.includes("scenario.toml") || run.files.includes("settings.toml"));
+      return run.kind !== "montecarlo" && run.kind !== "study" && !isDocument(run) && run.state === "done" && (run.summary?.imu?.epochs ?? 0) >= fewestForAllan && (run.files.includes("scenario.toml") || run.files.includes("settings.toml"));
     case "report":
       return run.files.includes("report.html");
     default:
