@@ -70,8 +70,8 @@ async function batch(t) {
   await page.goto(`${address}#/data/drive-a`);
   await page.locator(".raw-signals > summary").click();
   const signal = (name) => page.locator(".raw-signals button.signal", { hasText: name }).first();
-  await page.locator(".raw-signals").getByPlaceholder("Find a signal").fill("gyro z");
-  await signal("gyro z").click();
+  await page.locator(".raw-signals").getByPlaceholder("Find a signal").fill("imu.csv z");
+  await signal(" z").click();
   await page.locator(".raw-signals").getByPlaceholder("Find a signal").fill("gnss height");
   await signal("height").click();
   const raw = () => page.evaluate(() => document.querySelector(".raw-signals figure.plot")?.plot.data.y.map((y) => y.filter((v) => v !== null).length) ?? []);
