@@ -282,29 +282,72 @@ def said_by(text, program):
     return text in program or any(text.startswith(part) and text[len(part):] in program for part in program if len(part) > 3)
 
 
+PLURALS = {"en": {"one", "other"}, "uk": {"one", "few", "many", "other"}, "ru": {"one", "few", "many", "other"}}
+
+
+def arguments_of(text, language):
+    """The names that a message of ICU MessageFormat is filled with, and what is wrong with it."""
+    names, open_, wrong, at = set(), [], [], 0
+    while at < len(text):
+        if text.startswith("''", at):
+            at += 1
+        elif text[at] == "'" and text[at + 1:at + 2] in ("{", "}"):
+            wrong.append("has a quoted brace")
+        elif text[at] == "{":
+            if open_ and open_[-1] is not None:   # a form of a plural
+                form = re.search(r"(=?\w+)\s*$", text[:at])
+                open_[-1].add(form.group(1) if form else "")
+                open_.append(None)
+            else:
+                head = re.match(r"{(\w+)(}|, plural,)", text[at:])
+                if not head:
+                    return names, wrong + [f"cannot be read at {text[at:at + 20]}"]
+                names.add("{" + head.group(1) + "}")
+                if head.group(2) == "}":
+                    at += head.end() - 1
+                else:
+                    open_.append(set())
+                    at += head.end() - 1
+        elif text[at] == "}":
+            forms = open_.pop() if open_ else wrong.append("has a brace too many")
+            if forms is not None and PLURALS.get(language, forms) - forms:
+                wrong.append(f"has no form {', '.join(sorted(PLURALS[language] - forms))}")
+        at += 1
+    return names, wrong + (["has an open brace"] if open_ else [])
+
+
 def messages(root):
-    """The page's texts: every language has those of en.json, none empty, with the same {names}; those the page asks for are there.
-    Another language may have more only for the option table (option., label., key.), whose English stands in the program."""
+    """The page's texts: every language has those of en.json, none empty, with the same {names} and all plural forms of the language;
+    those the page asks for are there.
+    Another language may have more only for the option table (label., key.), whose English stands in the program."""
     def texts(path):
         return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
 
     folder, found = root / "ui/src", []
     english = texts(folder / "messages/en.json")
-    for path in sorted((folder / "messages").glob("*.json")):
+    # sentences of the options, by their English; ui/tests/texts_test.mjs holds them to what the program sends
+    helps = {path: texts(path) for path in sorted((folder / "messages").glob("help.*.json"))}
+    for path, own in helps.items():
+        found += [finding(root, path, 1, f"{key} is empty") for key, text in own.items() if not text.strip()]
+        found += [finding(root, path, 1, f"{key} is missing") for key in sorted(set().union(*helps.values()) - own.keys())]
+    for path in sorted(set((folder / "messages").glob("*.json")) - helps.keys()):
         own = texts(path)
         found += [finding(root, path, 1, f"{key} is missing") for key in english if key not in own]
         found += [finding(root, path, 1, f"{key} is not in en.json") for key in own
-                  if key not in english and not key.startswith(("option.", "label.", "key."))]
+                  if key not in english and not key.startswith(("label.", "key."))]
         found += [finding(root, path, 1, f"{key} is empty") for key, text in own.items() if not text.strip()]
-        found += [finding(root, path, 1, f"{key} has other names in braces than in en.json") for key, text in own.items()
-                  if set(re.findall(r"{\w+}", text)) != set(re.findall(r"{\w+}", english.get(key, text)))]
+        for key, text in own.items():
+            names, wrong = arguments_of(text, path.stem)
+            found += [finding(root, path, 1, f"{key} {what}") for what in wrong]
+            if names != arguments_of(english.get(key, text), "en")[0]:
+                found.append(finding(root, path, 1, f"{key} has other names in braces than in en.json"))
     # sentences of the program are recognised by their English: it has to be what the program says
     braces = re.compile(r"{[^{}]*}")
     program = {braces.sub("{}", "".join(re.findall(r'"((?:[^"\\\n]|\\.)*)"', literal))).replace('\\"', '"')
-               for path in files(root, "src", suffixes=(".cpp", ".h"))
+               for folder_of in ("src", "serve") for path in files(root, folder_of, suffixes=(".cpp", ".h"))
                for literal in re.findall(r'"(?:[^"\\\n]|\\.)*"(?:\s*"(?:[^"\\\n]|\\.)*")*', path.read_text(encoding="utf-8"))}
     found += [finding(root, folder / "messages/en.json", 1, f"{key} is no sentence of the program") for key, text in english.items()
-              if key.startswith("reason.") and not said_by(braces.sub("{}", text), program)]
+              if key.startswith("reason.") and not said_by(braces.sub("{}", text.replace("''", "'")), program)]
     for path in files(root, "ui/src", suffixes=(".ts",)):
         for number, line in lines(path):
             found += [finding(root, path, number, f"{key} is in no message file") for key in re.findall(r'\bt\("([\w.]+)"', line)

@@ -1,4 +1,7 @@
 // The server's interface, as /api/openapi.json documents it.
+import { t } from "./i18n";
+import { said } from "./reasons";
+
 export interface Problem {
   text: string;
   mend: string;
@@ -12,7 +15,7 @@ export class ApiError extends Error {
     readonly problem: Problem,
   ) {
     const place = [problem.line > 0 ? `line ${problem.line}` : "", problem.key].filter(Boolean).join(", ");
-    super((place ? `${place}: ` : "") + problem.text + (problem.mend ? `; ${problem.mend}` : ""));
+    super(said((place ? `${place}: ` : "") + problem.text + (problem.mend ? `; ${problem.mend}` : "")));
   }
 }
 
@@ -352,7 +355,7 @@ export function upload(dataset: string, file: File, path: string, progress: (par
       }
       reject(new ApiError(request.status, problem));
     };
-    request.onerror = () => reject(new Error("the server does not answer"));
+    request.onerror = () => reject(new Error(t("server.silent")));
     request.send(file);
   });
 }

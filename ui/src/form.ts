@@ -1,37 +1,16 @@
 // A form from the option table of the program: one field an option, its unit, its sentence, what it is now and what is wrong.
 import type { Json, Option, Problem, Settings, Understood } from "./api";
 import { append, h, replace } from "./dom";
-import { maybe, t } from "./i18n";
+import { help, maybe, t } from "./i18n";
+import { labelKeys, sectionOf, wordsOf } from "./labels";
+import { said } from "./reasons";
 
-const units = /_(deg_sqrt_h|m_s_sqrt_h|ug_sqrt_hz|rad_s|deg_h|deg_s|m_s2|m_s|time_s|arcsec|ppm|deg|rad|hz|mg|ug|pa|ut|mgal|m|s)$/;
-
-/** "imu.gyro_noise_deg_sqrt_h" to "gyro noise". */
 export function labelOf(key: string): string {
-  const last =
-    key
-      .split(".")
-      .slice(/^(filter\.(assumed|initial_error|separate|integrity)|trajectory\.(start|vibration|waves))\./.test(key) ? 2 : 1)
-      .join(" ") || key;
-  const words = last
-    .replace(/_time_s$/, "_time")
-    .replace(units, "")
-    .replaceAll("_", " ");
-  return maybe(`key.${key}`, maybe(`label.${words}`, words));
+  const [own, words] = labelKeys(key);
+  return maybe(own, maybe(words, wordsOf(key)));
 }
 
-function sectionOf(key: string): string {
-  for (const deep of [
-    "filter.assumed",
-    "filter.initial_error",
-    "filter.separate",
-    "filter.integrity",
-    "trajectory.start",
-    "trajectory.vibration",
-    "trajectory.waves",
-  ])
-    if (key.startsWith(deep + ".")) return deep;
-  return key.includes(".") ? key.slice(0, key.indexOf(".")) : "general";
-}
+const nameOf = (section: string) => maybe(`section.${section}`, section.replaceAll(".", " ").replaceAll("_", " "));
 
 /** Options that only some trajectories have say so: "car, waypoints: radius of the corners". */
 export function kindsOf(option: Option, kinds: string[]): string[] | null {
@@ -52,7 +31,7 @@ function shownValue(v: Json): string {
 function parsed(option: Option, text: string): { value: Json } | { wrong: string } {
   const bounds = (x: number) =>
     Number.isFinite(x) && (option.low === null || x >= option.low) && (option.high === null || x <= option.high);
-  const wrong = { wrong: t("form.wrong", { accepts: option.accepts }) };
+  const wrong = { wrong: t("form.wrong", { accepts: said(option.accepts) }) };
   const decimal = (s: string) => (s.trim() === "" ? NaN : Number(s.trim().replace(/^([+-]?\d+),(\d+)$/, "$1.$2")));
   switch (option.shape) {
     case "number": {
@@ -108,6 +87,7 @@ export class OptionForm {
   });
   private readonly onlySet = h("input", { type: "checkbox", onChange: () => this.filter() });
   private readonly kinds: string[];
+  private readonly first: string[];
   /** Fields whose text is no value: what is used is still the one before. */
   private readonly wrong = new Set<string>();
   /** Told whenever the number of such fields changes. */
@@ -117,32 +97,40 @@ export class OptionForm {
     options: Option[],
     private readonly changed: () => void,
     private readonly skip: (key: string) => boolean = () => false,
-    open: string[] = ["general", "trajectory", "trajectory.start", "imu", "gnss"],
+    open: string[] = [],
+    /** Options that stand first, open. */
+    first: string[] = [],
   ) {
     this.kinds = options.find((o) => o.key === "trajectory.type")?.choices ?? [];
+    this.first = first.filter((key) => options.some((o) => o.key === key));
     append(this.element, h("div", { class: "form-tools" }, this.search, h("label", null, this.onlySet, t("form.only_set"))));
+    const main = this.first.length > 0 ? this.section("main", true) : null;
+    for (const key of this.first) main!.append(this.field(options.find((o) => o.key === key)!));
     for (const option of options) {
-      if (this.skip(option.key)) continue;
+      if (this.skip(option.key) || this.first.includes(option.key)) continue;
       const name = sectionOf(option.key);
-      let section = this.sections.get(name);
-      if (!section) {
-        section = h(
-          "details",
-          { open: open.includes(name) },
-          h("summary", null, maybe(`section.${name}`, name.replaceAll(".", " ").replaceAll("_", " "))),
-        );
-        this.sections.set(name, section);
-        this.element.append(section);
-      }
-      section.append(this.field(option));
+      (this.sections.get(name) ?? this.section(name, open.includes(name))).append(this.field(option));
     }
+  }
+
+  private section(name: string, open: boolean): HTMLDetailsElement {
+    const section = h("details", { open }, h("summary", null, nameOf(name)));
+    this.sections.set(name, section);
+    this.element.append(section);
+    return section;
+  }
+
+  /** Among the first ones the name of an option says whose it is. */
+  private label(key: string): string {
+    const section = sectionOf(key);
+    return this.first.includes(key) && section !== "general" ? `${nameOf(section)}: ${labelOf(key)}` : labelOf(key);
   }
 
   private field(option: Option): HTMLElement {
     const id = `option-${option.key.replaceAll(".", "-")}`;
     const message = h("p", { class: "field-wrong", id: `${id}-wrong`, role: "alert", hidden: true });
     const doubt = h("p", { class: "field-doubt", hidden: true });
-    const help = maybe(`option.${option.key}`, option.help);
+    const sentence = help(option.help);
     const described = { "aria-describedby": `${id}-help ${id}-wrong` };
     const inputs: Field["inputs"] = [];
     const choices = option.shape === "texts" ? [] : option.choices; // of a list more than one may be given
@@ -196,17 +184,17 @@ export class OptionForm {
     const row = h(
       "div",
       { class: "field", "data-key": option.key },
-      h("label", { htmlFor: id, title: option.key }, labelOf(option.key)),
+      h("label", { htmlFor: id, title: option.key }, this.label(option.key)),
       h("span", { class: `inputs n${inputs.length}` }, ...inputs, h("span", { class: "unit" }, option.unit), reset),
       h(
         "p",
         { class: "help", id: `${id}-help` },
-        help,
+        sentence,
         option.shape === "number" || option.shape === "integer"
           ? h(
               "span",
               { class: "accepts" },
-              ` · ${option.accepts.replace(/\d{6,}/g, (n) => Number(n).toExponential().replace("e+", "e"))}`,
+              ` · ${said(option.accepts.replace(/\d{6,}/g, (n) => Number(n).toExponential().replace("e+", "e")))}`,
             )
           : null,
       ),
@@ -278,7 +266,7 @@ export class OptionForm {
             : option.shape === "flag"
               ? t(used ? "yes" : "no")
               : shownValue(used);
-        input.options[0]!.textContent = `${word} ${t("form.default")}`;
+        input.options[0]!.textContent = used === undefined || used === null ? word : `${word} ${t("form.default")}`;
       } else {
         input.placeholder =
           inputs.length > 1
@@ -322,7 +310,7 @@ export class OptionForm {
     if (!field) return false;
     field.message.hidden = false;
     field.message.dataset.from = "server";
-    field.message.textContent = problem.text + (problem.mend ? `; ${problem.mend}` : "");
+    field.message.textContent = said(problem.text + (problem.mend ? `; ${problem.mend}` : ""));
     field.row.closest("details")!.open = true;
     return true;
   }
@@ -335,7 +323,7 @@ export class OptionForm {
       field.doubt.hidden = false;
       const unsure = f.confidence < 0.9;
       field.row.classList.toggle("doubtful", unsure);
-      replace(field.doubt, `${unsure ? "⚠ " : "✓ "}${t("data.sure", { percent: Math.round(100 * f.confidence) })}: ${f.why}`);
+      replace(field.doubt, `${unsure ? "⚠ " : "✓ "}${t("data.sure", { percent: Math.round(100 * f.confidence) })}: ${said(f.why)}`);
       if (unsure) field.row.closest("details")!.open = true;
     }
   }

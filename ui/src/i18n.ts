@@ -1,4 +1,6 @@
-// Texts in the reader's language: one message file a language, English where a text is missing.
+// Texts in the reader's language: one message file a language, English where a text is missing. Messages with parameters are in
+// the syntax of ICU MessageFormat (plural forms by the rules of the language), formatted by intl-messageformat.
+import { IntlMessageFormat } from "intl-messageformat";
 import en from "./messages/en.json";
 import ru from "./messages/ru.json";
 import uk from "./messages/uk.json";
@@ -15,8 +17,12 @@ function first(): string {
 export let language = first();
 document.documentElement.lang = language;
 
+/** Parsed once: of the language that is shown. */
+const formats = new Map<string, IntlMessageFormat>();
+
 export function setLanguage(name: string): void {
   language = name in languages ? name : "en";
+  formats.clear();
   localStorage.setItem("schuler.language", language);
   document.documentElement.lang = language;
 }
@@ -24,7 +30,34 @@ export function setLanguage(name: string): void {
 /** The text of a key with its {names} filled in; the key itself where there is none. */
 export function t(key: string, values: Record<string, string | number> = {}): string {
   const text = languages[language]?.[key] ?? (en as Messages)[key] ?? key;
-  return text.replace(/\{(\w+)\}/g, (_, name: string) => String(values[name] ?? `{${name}}`));
+  if (!text.includes("{")) return text;
+  let format = formats.get(key);
+  if (!format) formats.set(key, (format = new IntlMessageFormat(text, key in languages[language]! ? language : "en", undefined, { ignoreTag: true })));
+  return String(format.format(values));
+}
+
+/** Sentences of the options by their English, which the program sends: only who reads them in another language loads them. */
+const helps: Record<string, Messages> = {};
+const helpFiles: Record<string, () => Promise<{ default: Messages }>> = {
+  uk: () => import("./messages/help.uk.json"),
+  ru: () => import("./messages/help.ru.json"),
+};
+
+/** Until this is done, sentences of options are in English. */
+export async function helpReady(): Promise<void> {
+  const name = language;
+  const load = helpFiles[name];
+  if (load && !helps[name]) helps[name] = (await load()).default;
+}
+
+export function help(text: string): string {
+  const known = helps[language];
+  if (!known) return text;
+  if (known[text]) return known[text];
+  // "value that the filter assumes instead of the simulated one: gyro angle random walk"
+  const at = text.indexOf(": ");
+  const [head, tail] = [known[text.slice(0, at)], known[text.slice(at + 2)]];
+  return at > 0 && head && tail ? `${head}: ${tail}` : text;
 }
 
 /** A text that may be missing: `otherwise` then. */

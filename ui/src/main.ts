@@ -2,7 +2,7 @@
 import "uplot/dist/uPlot.min.css";
 import "./style.css";
 import { append, h, replace, tell } from "./dom";
-import { language, setLanguage, t } from "./i18n";
+import { helpReady, language, setLanguage, t } from "./i18n";
 import type { Page } from "./page";
 import { batchPage, batchTablePage } from "./pages/batch";
 import { comparePage } from "./pages/compare";
@@ -38,6 +38,7 @@ async function open(): Promise<void> {
   shown?.close?.();
   shown = null;
   try {
+    await helpReady();
     const page =
       kind === "scenario"
         ? editorPage(parameters)

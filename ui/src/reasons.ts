@@ -15,7 +15,7 @@ function templates(): Template[] {
   return (known ??= Object.entries(en as Record<string, string>)
     .filter(([key]) => key.startsWith("reason."))
     .map(([key, text]) => {
-      const parts = text.split(/\{(\w+)\}/);
+      const parts = text.replaceAll("''", "'").split(/\{(\w+)\}/);
       return { key, size: text.length, names: parts.filter((_, i) => i % 2 === 1), shape: new RegExp(`^${parts.map((p, i) => (i % 2 === 1 ? "(.*?)" : escaped(p))).join("")}$`) };
     })
     // those that say most come first
@@ -29,5 +29,9 @@ export function said(text: string, depth = 0): string {
     const found = shape.exec(text);
     if (found) return t(key, Object.fromEntries(names.map((name, i) => [name, said(found[i + 1] ?? "", depth + 1)])));
   }
-  return text;
+  // "what is wrong; what to do", or "file:line: key: what is wrong"
+  if (text.includes("; ")) return text.split("; ").map((part) => said(part, depth + 1)).join("; ");
+  const place = /^(line \d+|[^\s:]+(?::\d+)?)(, [\w.]+)?: (.+)$/.exec(text);
+  if (!place) return text;
+  return `${place[1]!.replace(/^line (\d+)$/, (_, n: string) => t("error.line", { n }))}${place[2] ?? ""}: ${said(place[3]!, depth)}`;
 }

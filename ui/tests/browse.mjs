@@ -1,6 +1,6 @@
 // The server of `schuler ui` and a browser on its page, for the tests of the page.
 import { spawn } from "node:child_process";
-import { existsSync } from "node:fs";
+import { existsSync, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { join, resolve } from "node:path";
 
@@ -19,6 +19,7 @@ export async function serve(program, folder, words = [], port = 0) {
     cwd: folder,
     stdio: ["ignore", "pipe", "inherit"],
   });
+  process.on("exit", () => server.kill());   // a test that ends early leaves no server behind
   const entrance = await new Promise((resolve, reject) => {
     server.stdout.on("data", (d) => {
       const found = /http:\S+/.exec(String(d));
@@ -59,8 +60,21 @@ export async function browse(options, settings = {}) {
   await context.addInitScript(() => {
     if (window.top === window) localStorage.getItem("schuler.language") ?? localStorage.setItem("schuler.language", "en");
   });
+  // the page from a folder instead of that in the program: no build after a change of it
+  if (options.dist)
+    await context.route(/\/(index\.html)?(\?[^/]*)?$|\/assets\/|\/icon\.svg$/, async (route) => {
+      const path = new URL(route.request().url()).pathname.slice(1) || "index.html";
+      try {
+        const response = await route.fetch({ maxRedirects: 0 });
+        if (response.status() >= 300 && response.status() !== 404) return await route.fulfill({ response });
+        const type = { html: "text/html", js: "text/javascript", css: "text/css", svg: "image/svg+xml" }[path.split(".").at(-1)];
+        await route.fulfill({ status: 200, headers: { ...response.headers(), "content-type": `${type}; charset=utf-8` }, body: readFileSync(join(options.dist, path)) });
+      } catch {
+        await route.abort().catch(() => undefined);   // the tab is closed, or the server ends
+      }
+    });
   const page = await context.newPage();
-  page.setDefaultTimeout(30_000);
+  page.setDefaultTimeout(1000 * Number(options.wait ?? 30));
   return { browser, context, page, require };
 }
 

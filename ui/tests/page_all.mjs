@@ -75,6 +75,11 @@ try {
     complaints.length = 0;
     await page.goto(`${address}#/data/${id}`);
     await page.locator(".tasks").waitFor({ timeout: 120_000 }).catch(() => fail(name, "its page does not open"));
+    for (const card of await page.locator("details:has(> .form-tools), details.raw-signals").all()) {
+      await card.locator("> summary").click();
+      await card.locator("figure.plot .u-over").first().waitFor({ timeout: 120_000 }).catch(async () => fail(name, `raw logs: ${await card.innerText()}`));
+    }
+    for (const word of await page.locator(".bad:not([hidden])").allInnerTexts()) fail(name, `data page: ${word}`);
     const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
     if (wide > 1) fail(name, `data page ${wide} px wider than the window`);
     for (const c of complaints) fail(name, c);

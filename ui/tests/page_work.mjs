@@ -66,6 +66,16 @@ async function batch(t) {
   }
   mkdirSync(join(data, "empty"), { recursive: true });
   writeFileSync(join(data, "empty", "notes.txt"), "nothing\n");
+  // the logs as they are: signals of several files on one axis of time
+  await page.goto(`${address}#/data/drive-a`);
+  await page.locator(".raw-signals > summary").click();
+  const signal = (name) => page.locator(".raw-signals button.signal", { hasText: name }).first();
+  await page.locator(".raw-signals").getByPlaceholder("Find a signal").fill("imu.csv z");
+  await signal(" z").click();
+  await page.locator(".raw-signals").getByPlaceholder("Find a signal").fill("gnss height");
+  await signal("height").click();
+  const raw = () => page.evaluate(() => document.querySelector(".raw-signals figure.plot")?.plot.data.y.map((y) => y.filter((v) => v !== null).length) ?? []);
+  check(await soon(async () => (await raw()).length >= 2 && (await raw()).every((n) => n > 100)), `raw logs are drawn together: ${await raw()}`);
   await page.goto(address);
   await page.getByRole("link", { name: "Process several together" }).click();
   const start = page.locator("button.primary.run");
@@ -101,6 +111,15 @@ async function batch(t) {
   await accessible("table of a batch");
   await shot("ui-batch");
   await reasons(t, runs.find((r) => r.state === "done").id);
+  // what the server says of a data set that cannot be processed, and the counts, in the language of the page
+  for (const [language, state, why] of [["uk", /3 набори: .*невдалих 1/, /розпізнано/], ["ru", /3 набора: .*неудачных 1/, /распознано/]]) {
+    await page.locator("header select").selectOption(language);
+    await page.locator(".lead", { hasText: state }).waitFor();
+    const told = await page.locator(`tr[data-run="${failed.id}"] td.why`).first().innerText();
+    check(why.test(told) && !/recognised|name the|give /.test(told), `${language}: why it failed: ${told}`);
+  }
+  await page.locator("header select").selectOption("en");
+  await page.locator(".lead", { hasText: "3 data sets" }).waitFor();
   // a note is kept with the run
   await rows.last().getByRole("link").click();
   await page.locator('[role="tablist"]').waitFor();
@@ -147,8 +166,8 @@ async function reasons({ page, address, ask, check, options }, id) {
     await route.fulfill({ response: reply, json: run });
   });
   const expected = {
-    uk: [/^лише 93\.2 % з 60 .*із ширшим шумом, лежать .*95\.0 %.*98\.3 %; 3\.21 м .* 1\.5 м .*10 с/, /^відхилено 12 із 480 /, /стрибнуло разів: 2, .*35\.2 м/, /^відхилено 12 із 480 .*\(разів: 3\)$/],
-    ru: [/^лишь 93\.2 % из 60 .*с более широким шумом, лежат .*95\.0 %.*98\.3 %; 3\.21 м .* 1\.5 м .*10 с/, /^отклонено 12 из 480 /, /изменилось раз: 2, .*35\.2 м/, /^отклонено 12 из 480 .*\(раз: 3\)$/],
+    uk: [/^лише 93\.2 % з 60 .*із ширшим шумом, лежать .*95\.0 %.*98\.3 %; 3\.21 м .* 1\.5 м .*10 с/, /^відхилено 12 із 480 /, /стрибнуло 2 рази, .*35\.2 м/, /^відхилено 12 із 480 .*\(3 рази\)$/],
+    ru: [/^лишь 93\.2 % из 60 .*с более широким шумом, лежат .*95\.0 %.*98\.3 %; 3\.21 м .* 1\.5 м .*10 с/, /^отклонено 12 из 480 /, /изменилось 2 раза, .*35\.2 м/, /^отклонено 12 из 480 .*\(3 раза\)$/],
     en: [/^only 93\.2 % of 60/, /^12 of 480 fixes were refused$/, /jumped 2 times/, /12 of 480 fixes were refused \(3 times\)$/],
   };
   for (const [language, [first, second, third, warning]] of Object.entries(expected)) {
@@ -568,8 +587,33 @@ async function live(t) {
   }
 }
 
+/** Options in another language: names, sentences, ranges, what is wrong; and the ten that matter first. */
+async function languages({ page, address, check, soon }) {
+  for (const [language, name, sentence, range, wrong] of [
+    ["uk", "Інерціальний блок: клас", /клас або модель/, /число від 0 до /, /Очікується: число/],
+    ["ru", "Инерциальный блок: класс", /класс или модель/, /число от 0 до /, /Ожидается: число/],
+  ]) {
+    await page.evaluate((l) => localStorage.setItem("schuler.language", l), language);
+    await page.goto(`${address}#/scenario?example=uav-mems`);
+    await page.reload();
+    const first = page.locator(".form details").first();
+    await first.locator(".field").first().waitFor();
+    check((await first.locator(".field").count()) === 10 && (await first.getAttribute("open")) !== null, `${language}: ten options stand first: ${await first.locator(".field").count()}`);
+    const grade = first.locator('[data-key="imu.grade"]');
+    check((await grade.locator("label").innerText()) === name && sentence.test(await grade.innerText()), `${language}: ${await grade.innerText()}`);
+    const rate = first.locator('[data-key="gnss.rate_hz"]');
+    check(range.test(await rate.innerText()), `${language}: the range: ${await rate.innerText()}`);
+    await rate.locator("input").fill("often");
+    check(await soon(async () => wrong.test(await rate.locator(".field-wrong").innerText())), `${language}: a wrong entry: ${await rate.innerText()}`);
+    const english = await page.locator(".form .help").evaluateAll((all) => all.map((e) => e.textContent).filter((x) => !/[а-яіїєґ]/i.test(x)));
+    check(english.length === 0, `${language}: sentences in English: ${english.slice(0, 3)}`);
+  }
+  await page.evaluate(() => (localStorage.setItem("schuler.language", "en"), sessionStorage.clear()));
+  await page.reload();
+}
+
 export async function work(t) {
-  const steps = [frame, batch, comparisons, carrier, papers, receiver, graticule, tiles, live, restart];
+  const steps = [languages, frame, batch, comparisons, carrier, papers, receiver, graticule, tiles, live, restart];
   for (const step of steps.filter((s) => !t.options.steps || t.options.steps.includes(s.name)))
     try {
       await step(t);

@@ -4,6 +4,7 @@ import { h, quietly, replace, saveAs, tell } from "../dom";
 import { draftKey, forgetDraft, keepDraft, keptDraft } from "../draft";
 import { OptionForm } from "../form";
 import { maybe, number, t } from "../i18n";
+import { mainOptions } from "../labels";
 import type { Page } from "../page";
 import { said } from "../reasons";
 import { stateBadge } from "./start";
@@ -58,7 +59,7 @@ export async function batchPage(query: URLSearchParams): Promise<Page> {
       const now = await api.settings("dataset", { settings: profile.settings });
       profile.understood(now);
       problem.hidden = !now.problem || profile.blame(now.problem);
-      if (now.problem) problem.textContent = `${now.problem.text}; ${now.problem.mend}`;
+      if (now.problem) problem.textContent = said(`${now.problem.text}; ${now.problem.mend}`);
       invalid.server = now.problem !== null;
     } catch (e) {
       problem.hidden = false;
@@ -67,7 +68,7 @@ export async function batchPage(query: URLSearchParams): Promise<Page> {
     allow();
   });
   const keep = () => keepDraft({ settings: profile.settings, title: title.value }, at);
-  const profile = new OptionForm(options.filter((o) => !ownMatter.test(o.key)), () => (keep(), check()), () => false, []);
+  const profile = new OptionForm(options.filter((o) => !ownMatter.test(o.key)), () => (keep(), check()), () => false, [], mainOptions.dataset);
   profile.judged = (wrong) => ((invalid.profile = wrong), allow());
   title.addEventListener("input", keep);
 
@@ -165,7 +166,7 @@ export async function batchPage(query: URLSearchParams): Promise<Page> {
       h(
         "ul",
         { class: "plain-list batch-sets" },
-        ...sets.map((d, i) => h("li", null, h("label", null, boxes[i]!, ` ${d.title}`), h("span", { class: "muted" }, ` ${d.files.length} ${t("start.n_files")}`))),
+        ...sets.map((d, i) => h("li", null, h("label", null, boxes[i]!, ` ${d.title}`), h("span", { class: "muted" }, ` ${t("start.n_files", { n: d.files.length })}`))),
       ),
     ),
     h(

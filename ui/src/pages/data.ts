@@ -4,11 +4,13 @@ import { h, quietly, replace, saveAs } from "../dom";
 import { draftKey, forgetDraft, keepDraft, keptDraft } from "../draft";
 import { OptionForm } from "../form";
 import { number, t } from "../i18n";
+import { mainOptions } from "../labels";
 import type { Page } from "../page";
+import { said } from "../reasons";
 import { OutageLine } from "../plots/timeline";
 import { noiseView } from "./noise";
 import { runButton } from "./runbutton";
-import { rawCard } from "./raw";
+import { rawCard, rawSignals } from "./raw";
 import { TaskChoice } from "./tasks";
 
 function problems(list: Inspection["problems"]): HTMLElement {
@@ -17,7 +19,7 @@ function problems(list: Inspection["problems"]): HTMLElement {
     "ul",
     { class: "problems" },
     ...list.map((p) =>
-      h("li", { class: p.level }, h("strong", null, `${icon[p.level]} ${p.text}`), p.mend && h("span", null, ` — ${p.mend}`)),
+      h("li", { class: p.level }, h("strong", null, `${icon[p.level]} ${said(p.text)}`), p.mend && h("span", null, ` — ${said(p.mend)}`)),
     ),
   );
 }
@@ -100,7 +102,7 @@ function findings(found: Inspection): HTMLElement {
               }),
               ` ${f.confidence < 0.9 ? "⚠ " : ""}${Math.round(100 * f.confidence)} %`,
             ),
-            h("td", null, f.why),
+            h("td", null, said(f.why)),
           ),
         ),
       ),
@@ -132,7 +134,7 @@ export async function dataPage(name: string, query: URLSearchParams): Promise<Pa
       form.understood(now);
       toml.textContent = now.toml;
       problem.hidden = !now.problem || form.blame(now.problem);
-      if (now.problem) problem.textContent = `${now.problem.text}; ${now.problem.mend}`;
+      if (now.problem) problem.textContent = said(`${now.problem.text}; ${now.problem.mend}`);
       invalid.server = now.problem !== null;
       allow();
     } catch (e) {
@@ -148,6 +150,7 @@ export async function dataPage(name: string, query: URLSearchParams): Promise<Pa
     },
     (key) => key === "outage",
     [],
+    mainOptions.dataset,
   );
   form.judged = (wrong) => {
     invalid.fields = wrong;
@@ -200,7 +203,7 @@ export async function dataPage(name: string, query: URLSearchParams): Promise<Pa
   outages.show((form.settings["outage"] as never) ?? [], length);
   if (found.form.problem) {
     problem.hidden = form.blame(found.form.problem);
-    problem.textContent = found.form.problem.text;
+    problem.textContent = said(found.form.problem.text);
   }
   // asked for only when it is opened: the whole log is read for it
   const noise = h("details", { class: "card" }, h("summary", null, t("noise.title")));
@@ -247,6 +250,7 @@ export async function dataPage(name: string, query: URLSearchParams): Promise<Pa
       findings(found),
     ),
     rawCard(name, found),
+    rawSignals(name, found),
     noise,
     outages.element,
     h(

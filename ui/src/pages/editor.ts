@@ -4,7 +4,9 @@ import { h, quietly, replace, saveAs, tell } from "../dom";
 import { draftKey, forgetDraft, keepDraft, keptDraft } from "../draft";
 import { OptionForm } from "../form";
 import { number, t } from "../i18n";
+import { mainOptions } from "../labels";
 import type { Page } from "../page";
+import { said } from "../reasons";
 import { Linked } from "../plots/linked";
 import { PlanView } from "../plots/plan";
 import { TimePlot, linkCursors } from "../plots/timeplot";
@@ -109,7 +111,7 @@ export async function editorPage(query: URLSearchParams): Promise<Page> {
     const known = now.problem && form.blame(now.problem);
     problem.hidden = !now.problem;
     if (now.problem)
-      problem.textContent = known ? t("editor.see_field", { key: now.problem.key }) : now.problem.text + "; " + now.problem.mend;
+      problem.textContent = known ? t("editor.see_field", { key: now.problem.key }) : said(`${now.problem.text}; ${now.problem.mend}`);
     invalid.server = now.problem !== null;
     allow();
     const keys = Object.keys(form.settings);
@@ -145,7 +147,8 @@ export async function editorPage(query: URLSearchParams): Promise<Page> {
       ask();
     },
     (key) => key === "outage",
-    ["general", "trajectory"],
+    [],
+    mainOptions.scenario,
   );
   form.judged = (wrong) => {
     invalid.fields = wrong;

@@ -4,9 +4,9 @@ import { h } from "../dom";
 import { maybe, number, t } from "../i18n";
 import { Linked } from "../plots/linked";
 import { PlanView, type Track2d } from "../plots/plan";
-import { TimePlot, linkCursors } from "../plots/timeplot";
+import { TimePlot, linkCursors, stacked } from "../plots/timeplot";
 import { attitudePlots } from "./attitude";
-import { eventList, happenings, marksOf } from "./events";
+import { eventList, type Happening } from "./events";
 import { factsCard } from "./facts";
 import { overview, statCards } from "./overview";
 import type { View } from "./track";
@@ -166,8 +166,8 @@ function carrierPlots(run: string, groups: Group[], linked: Linked): TimePlot[] 
 export function separationPlots(run: string, groups: Group[], linked: Linked): TimePlot[] {
   const g = groups.find((x) => x.group === "/separation");
   if (!g) return [];
-  return g.columns
-    .filter((c) => /\/(position|velocity|attitude):/.test(c.id))
+  return ["position", "velocity", "attitude"]
+    .flatMap((table) => g.columns.filter((c) => c.id.includes(`/${table}:`)))
     .map((c, i) => {
       const sigma = c.id.replace(/\/(\w+):/, "/std_$1:");
       return new TimePlot(
@@ -178,6 +178,7 @@ export function separationPlots(run: string, groups: Group[], linked: Linked): T
           band: t("band"),
           include: [0],
           robust: true,
+          stack: `separation ${/\/(\w+):/.exec(c.id)![1]!}`,
           height: 165,
           load: loader(run, [c.id, sigma], ([v, s]) => [v!, s!.map((x) => (x === null ? null : 3 * x)), s!.map((x) => (x === null ? null : -3 * x))]),
         },
@@ -210,9 +211,8 @@ export function outagePlots(run: string, groups: Group[], linked: Linked): TimeP
   });
 }
 
-export async function qualityView(run: RunDetails, groups: Group[], linked: Linked, others: { id: string; title: string }[]): Promise<View> {
-  const [plan, events] = await Promise.all([map(run, groups, linked), happenings(run, groups)]);
-  linked.marks = marksOf(events);
+export async function qualityView(run: RunDetails, groups: Group[], linked: Linked, others: { id: string; title: string }[], happened: Promise<Happening[]>): Promise<View> {
+  const [plan, events] = await Promise.all([map(run, groups, linked), happened]);
   const plots = [
     ...outagePlots(run.id, groups, linked),
     ...separationPlots(run.id, groups, linked),
@@ -232,7 +232,7 @@ export async function qualityView(run: RunDetails, groups: Group[], linked: Link
       "div",
       { class: "quality-grid" },
       h("div", { class: "quality-left" }, verdictCard(run), plan?.element, (events.length > 0 || plan) && eventList(events, linked), !plan && figures),
-      h("div", { class: "quality-right" }, growth?.element, ...plots.map((p) => p.element)),
+      h("div", { class: "quality-right" }, growth?.element, ...stacked(plots)),
     ),
     factsCard(run, others),
     plan && figures,

@@ -3,9 +3,11 @@ import { api, watchRuns, type Group, type RunDetails, type RunEvent } from "../a
 import { h, icon, replace, saveAs, tell } from "../dom";
 import { number, t } from "../i18n";
 import type { Page } from "../page";
+import { said } from "../reasons";
 import { Linked } from "../plots/linked";
-import { TimePlot, linkCursors } from "../plots/timeplot";
+import { TimePlot, linkCursors, stacked } from "../plots/timeplot";
 import { ensembleView } from "./ensemble";
+import { happenings, marksOf, type Happening } from "./events";
 import { gravityView } from "./gravity";
 import { noiseView } from "./noise";
 import { documentView } from "./document";
@@ -24,7 +26,7 @@ function plotsView(plots: TimePlot[], linked: Linked, note = ""): View {
     null,
     note && h("p", { class: "muted" }, note),
     plots.length === 0 && h("p", { class: "muted" }, t("plot.empty")),
-    h("div", { class: "plots" }, ...plots.map((p) => p.element)),
+    h("div", { class: "plots" }, ...stacked(plots)),
   );
   return { element, redraw: () => plots.forEach((p) => p.redraw()) };
 }
@@ -104,6 +106,9 @@ export function isDocument(run: RunDetails): boolean {
   return run.summary !== null && (run.kind === "study" || run.summary.schemes !== undefined);
 }
 
+/** Of fewer samples the program makes no Allan deviation. */
+const fewestForAllan = 64;
+
 /** Whether a run has what a tab shows. */
 function shown(tab: (typeof tabs)[number], run: RunDetails, groups: Group[]): boolean {
   const has = (start: string) => groups.some((g) => g.group.startsWith(start));
@@ -128,7 +133,7 @@ function shown(tab: (typeof tabs)[number], run: RunDetails, groups: Group[]): bo
     case "document":
       return isDocument(run);
     case "noise":
-      return run.kind !== "montecarlo" && run.kind !== "study" && !isDocument(run) && run.state === "done" && (run.summary?.imu?.epochs ?? 0) > 1 && (run.files.includes("scenario.toml") || run.files.includes("settings.toml"));
+      return run.kind !== "montecarlo" && run.kind !== "study" && !isDocument(run) && run.state === "done" && (run.summary?.imu?.epochs ?? 0) >= fewestForAllan && (run.files.includes("scenario.toml") || run.files.includes("settings.toml"));
     case "report":
       return run.files.includes("report.html");
     default:
@@ -149,6 +154,14 @@ async function finished(run: RunDetails, first: string): Promise<Page> {
   }));
   const place = h("div", { class: "view", role: "tabpanel", id: "view", tabIndex: 0 });
   const made = new Map<string, View>();
+  // what happened is marked on every axis of time, whichever view is opened first
+  let happened: Promise<Happening[]> | null = null;
+  const events = () =>
+    (happened ??= happenings(run, groups).then((all) => {
+      linked.marks = marksOf(all);
+      if (linked.marks.length > 0) made.forEach((v) => v.redraw());
+      return all;
+    }));
   let current = "";
   const make = async (name: string): Promise<View> => {
     const plain = (element: HTMLElement): View => ({ element, redraw: () => undefined });
@@ -211,7 +224,7 @@ async function finished(run: RunDetails, first: string): Promise<Page> {
         );
       }
       default:
-        return qualityView(run, groups, linked, others);
+        return qualityView(run, groups, linked, others, events());
     }
   };
   const buttons = tabs
@@ -300,11 +313,13 @@ async function finished(run: RunDetails, first: string): Promise<Page> {
       }),
     ),
     note,
-    run.state === "failed" && h("p", { class: "bad", role: "alert" }, `${t("run.failed")}: ${run.message}`),
+    run.state === "failed" && h("p", { class: "bad", role: "alert" }, `${t("run.failed")}: ${said(run.message)}`),
     list,
     place,
   );
-  await show(first !== "" && buttons.some((b) => b.id === `tab-${first}`) ? first : run.state === "done" ? (isDocument(run) ? "document" : "overview") : "log");
+  const view = first !== "" && buttons.some((b) => b.id === `tab-${first}`) ? first : run.state === "done" ? (isDocument(run) ? "document" : "overview") : "log";
+  await show(view);
+  if (groups.length > 0) void events().catch(() => undefined);
   return { title: run.title, element, redraw: () => made.forEach((v) => v.redraw()) };
 }
 

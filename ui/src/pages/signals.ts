@@ -1,10 +1,11 @@
 // Every signal of a run: searched in a tree, several in one plot with two axes, derived ones, layouts that are kept.
-import { api, type Group } from "../api";
+import { api, type Group, type Range } from "../api";
 import { h, replace, tell } from "../dom";
 import { number, t } from "../i18n";
 import { derived, norm, type Operation } from "../plots/derive";
 import { Linked } from "../plots/linked";
 import { TimePlot, linkCursors, type Data } from "../plots/timeplot";
+import { withoutJumps } from "./attitude";
 import type { View } from "./track";
 import { resampled, unit } from "./views";
 
@@ -50,6 +51,9 @@ function catalogue(groups: Group[]): Map<string, Known> {
   return out;
 }
 
+/** They pass from one end of their range to the other, which is no line across the plot. */
+const angles = /:(roll|yaw|heading|lon|course)(_deg)?$/;
+
 const operations: Operation[] = ["raw", "mean", "integral", "derivative", "lowpass"];
 
 function derivedUnit(u: string, operation: Operation | undefined): string {
@@ -57,7 +61,15 @@ function derivedUnit(u: string, operation: Operation | undefined): string {
   return operation === "derivative" ? `${u}/s` : u;
 }
 
-export async function signalsView(run: string, groups: Group[], linked: Linked): Promise<View> {
+/** Where the numbers of signals come from: of a run by its server, of raw logs from what was read of them. */
+export type Source = (ids: string[], range: Range, signal: AbortSignal) => Promise<{ time_s: number[]; columns: Record<string, Values> }>;
+
+export async function signalsView(
+  run: string,
+  groups: Group[],
+  linked: Linked,
+  source: Source = (ids, range, signal) => api.series(run, ids, range, undefined, signal),
+): Promise<View> {
   const known = catalogue(groups);
   let layouts: Record<string, unknown> = await api.layouts().catch(() => ({}));
   const first = ["/solution/velocity:north", "/attitude/table:roll_deg", "/gravity/table:gravity_disturbance_mgal"].find((id) => known.has(id)) ?? [...known.keys()][0];
@@ -80,9 +92,10 @@ export async function signalsView(run: string, groups: Group[], linked: Linked):
   const values = async (id: string, fine: boolean, range: { from?: number | undefined; to?: number | undefined; points: number }, signal: AbortSignal) => {
     const k = known.get(id);
     if (!k) throw new Error(id);
-    const s = await api.series(run, k.parts, { ...range, points: fine ? 20000 : range.points }, undefined, signal);
+    const s = await source(k.parts, { ...range, points: fine ? 20000 : range.points }, signal);
     const columns = k.parts.map((p) => s.columns[p]!);
-    return { time: s.time_s, values: columns.length > 1 ? norm(columns) : columns[0]! };
+    const v = columns.length > 1 ? norm(columns) : columns[0]!;
+    return { time: s.time_s, values: angles.test(id) ? withoutJumps(v) : v };
   };
 
   const load = (signals: Signal[]) => async (from: number | undefined, to: number | undefined, points: number, abort: AbortSignal): Promise<Data> => {

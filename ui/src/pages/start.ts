@@ -3,6 +3,7 @@ import { api, upload, watchRuns, type DatasetInfo, type Run } from "../api";
 import { h, icon, replace, tell } from "../dom";
 import { language, maybe, number, t } from "../i18n";
 import type { Page } from "../page";
+import { said } from "../reasons";
 
 /** Files of a drop, those of folders too. */
 interface Sent {
@@ -128,7 +129,7 @@ function datasetList(sets: DatasetInfo[], again: () => void): HTMLElement {
         "li",
         null,
         h("a", { href: `#/data/${encodeURIComponent(d.name)}` }, d.title),
-        h("span", { class: "muted" }, ` ${d.files.length} ${t("start.n_files")}${d.opened ? ` · ${t("start.opened")}` : ""}`),
+        h("span", { class: "muted" }, ` ${t("start.n_files", { n: d.files.length })}${d.opened ? ` · ${t("start.opened")}` : ""}`),
         !d.opened && removeButton(d.title, () => api.removeDataset(d.name).then(again)),
       ),
     ),
@@ -137,7 +138,7 @@ function datasetList(sets: DatasetInfo[], again: () => void): HTMLElement {
 
 export function stateBadge(run: Run): HTMLElement {
   const icon = { waiting: "…", running: "▶", done: "✓", failed: "✗", cancelled: "⊘" }[run.state];
-  return h("span", { class: `badge ${run.state}`, title: run.message }, `${icon} ${t(`state.${run.state}`)}`);
+  return h("span", { class: `badge ${run.state}`, title: said(run.message) }, `${icon} ${t(`state.${run.state}`)}`);
 }
 
 function runTable(runs: Run[], again: () => void): HTMLElement {

@@ -33,6 +33,7 @@ function banded(run: string, group: string, table: string, what: string, g: Grou
         unit: unit(column.unit),
         lines: single ? [{ label: "σ", ink: i }] : [{ label: `${t("error")} ${axis}`, ink: i }],
         optional: true,
+        stack: table,
         ...(single ? {} : { band: t("band") }),
         include: [0],
         load: single
@@ -72,6 +73,7 @@ export function sensorPlots(run: string, groups: Group[], linked: Linked): TimeP
               title: `${t(`view.${table}`)} ${column.name}`,
               unit: unit(column.unit),
               lines,
+              stack: table,
               band: t("band"),
               load: async (from, to, points, signal) => {
                 const s = await api.series(run, [column.id, sigma], { from, to, points }, undefined, signal);
@@ -153,6 +155,7 @@ export function innovationPlots(run: string, groups: Group[], linked: Linked): T
               ...(status ? [{ label: t("rejected"), paint: "--rejected", dots: true }] : []),
             ],
             band: t("band"),
+            stack: kind,
             include: [0],
             robust: true,
             load: loader(run, status ? [...ids, status.id] : ids, ([v, s, st]) => {
@@ -178,6 +181,7 @@ export function innovationPlots(run: string, groups: Group[], linked: Linked): T
             { label: t("nis95"), ink: 1, dash: [6, 4] },
           ],
           logY: true,
+          stack: kind,
           load: loader(run, [`${g.group}/gate:nis`, `${g.group}/gate:dof`], ([nis, dof]) => [
             // what is nearly zero stands at the lower edge
             nis!.map((x) => (x !== null && x > 0 ? Math.max(x, 1e-3) : null)),

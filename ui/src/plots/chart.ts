@@ -68,7 +68,9 @@ export function axesOf(s: PlotSettings): uPlot.Axis[] {
   };
   const along = s.along ? `${s.along.label}, ${s.along.unit}` : `${t("plot.time")}, s`;
   return [
-    { ...axis, size: 34, label: along, labelSize: 16, gap: 3, ...(s.along?.log ? powers : {}) },
+    s.bare
+      ? { ...axis, size: 6, values: (_: uPlot, splits: number[]) => splits.map(() => "") }
+      : { ...axis, size: 34, label: along, labelSize: 16, gap: 3, ...(s.along?.log ? powers : {}) },
     { ...axis, size: window.innerWidth < 600 ? 52 : 64, label: s.unit, labelSize: 18, ...(s.logY ? powers : s.names ? named(s.names) : {}) },
     ...(s.lines.some((l) => l.right)
       ? [{ ...axis, scale: "y2", side: 1 as const, size: 58, label: s.rightUnit ?? "", labelSize: 18, grid: { show: false } }]

@@ -42,6 +42,10 @@ export interface PlotSettings {
   mayBeEmpty?: boolean;
   /** Of the axis at the right. */
   rightUnit?: string;
+  /** Plots that follow one another with the same name here stand in one card over one axis of time. */
+  stack?: string;
+  /** Without an axis of time of its own: the plot below in the card has it. */
+  bare?: boolean;
   /** Always inside the range of y. */
   include?: number[];
   /** Names that stand for 0, 1, 2 … along y. */

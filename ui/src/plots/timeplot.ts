@@ -112,7 +112,7 @@ export class TimePlot {
 
   private get height(): number {
     if (document.fullscreenElement === this.element) return Math.max(200, window.innerHeight - 110);
-    return (this.settings.height ?? 190) * (window.innerWidth >= 2200 ? 1.7 : 1);
+    return ((this.settings.height ?? 190) - (this.settings.bare ? 34 : 0)) * (window.innerWidth >= 2200 ? 1.7 : 1);
   }
 
   private get width(): number {
@@ -319,6 +319,23 @@ export class TimePlot {
       ),
     );
   }
+}
+
+/** Their elements, those of a stack in one card. */
+export function stacked(plots: TimePlot[]): HTMLElement[] {
+  const out: HTMLElement[] = [];
+  let card: HTMLElement | null = null;
+  plots.forEach((plot, i) => {
+    const name = plot.settings.stack;
+    const follows = name !== undefined && plots[i - 1]?.settings.stack === name;
+    const goesOn = name !== undefined && plots[i + 1]?.settings.stack === name;
+    if (!follows) card = goesOn ? h("section", { class: "stack" }) : null;
+    if (goesOn) plot.settings.bare = true;
+    if (!card) return void out.push(plot.element);
+    if (!follows) out.push(card);
+    card.append(plot.element);
+  });
+  return out;
 }
 
 /** Links the cursors of plots: whichever the mouse is over leads. */
