@@ -254,10 +254,11 @@ Result run_leg(const Recording& recording, const Settings& given, WarningLog& wa
     if (settings.backward) result.backward = run_backward(data, settings, start, result.forward);
 
     findings.mounting_rpy = settings.imu.mounting_rpy;
-    findings.position_latency = settings.gnss.latency;
-    findings.height_latency = settings.gnss.height_latency.value_or(settings.gnss.latency);
-    findings.velocity_latency = settings.gnss.velocity_latency.value_or(settings.gnss.latency);
-    findings.velocity_down_latency = settings.gnss.velocity_down_latency.value_or(findings.velocity_latency);
+    const auto seconds = [](double latency) { return std::abs(latency) < 1e-12 ? 0.0 : latency; };  // rounding of sums
+    findings.position_latency = seconds(settings.gnss.latency);
+    findings.height_latency = seconds(settings.gnss.height_latency.value_or(settings.gnss.latency));
+    findings.velocity_latency = seconds(settings.gnss.velocity_latency.value_or(settings.gnss.latency));
+    findings.velocity_down_latency = seconds(settings.gnss.velocity_down_latency.value_or(findings.velocity_latency));
     findings.lever_arm_b = settings.gnss.lever_arm_b;
     findings.gyro_noise = settings.imu.errors.gyro_noise;
     findings.accel_noise = settings.imu.errors.accel_noise;

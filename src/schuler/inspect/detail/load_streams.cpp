@@ -32,12 +32,25 @@ std::vector<double> scaled(const std::vector<double>& values, const io::ColumnMa
 
 std::vector<std::string> explained_columns(const LoadedFile& file) {
     std::vector<std::string> out;
+    const io::StreamPath where = io::stream_path(file.path);
+    const io::Format* format = nullptr;
     try {
-        if (const io::Format* format = io::format_of(io::stream_path(file.path).file))
-            out.push_back(fmt::format("format {} ({}), recognised by its content", format->name, format->title));
-        else out.emplace_back("of no format that is known (schuler help formats)");
+        format = io::format_of(where.file);
     } catch (const Error&) {
         return out;
+    }
+    if (format != nullptr) out.push_back(fmt::format("format {} ({}), recognised by its content", format->name, format->title));
+    else out.emplace_back("of no format that is known (schuler help formats)");
+    if (format != nullptr && format->name == "csv" && where.stream.empty() && file.plan.matches.empty() &&
+        file.plan.unused.empty()) {
+        try {
+            const std::vector<std::string> names = io::inspect_table(io::TextInput(where.file)).names;
+            if (!names.empty())
+                out.push_back(
+                    fmt::format("columns without a known name: {}; state their meaning in [imu] or [gnss] columns = {{ ... }}",
+                                fmt::join(names, ", ")));
+        } catch (const Error&) {  // not a table
+        }
     }
     for (const io::ColumnMatch& m : file.plan.matches) {
         std::string line = fmt::format("{} <- {} ({}", m.canonical, m.file_name, io::name_of(m.certainty));

@@ -59,10 +59,11 @@ bool is_fix_with_codes(const Quantity& quantity, const Words& words) {
     return quantity.canonical == "fix" && words.size() > 1 && words[0] == "fix" && words[1] != "time" && words[1] != "age";
 }
 
-HeightKind height_kind(const Quantity& quantity, const Words& words) {
+/// `of_name`: implied by a recognised name; the words of any name may state the kind.
+HeightKind height_kind(HeightKind of_name, const Words& words) {
     const auto has = [&](std::string_view w) { return std::find(words.begin(), words.end(), w) != words.end(); };
     if (has("onboard") || has("autopilot") || has("ekf")) return HeightKind::Autopilot;
-    if (quantity.height != HeightKind::Unstated) return quantity.height;
+    if (of_name != HeightKind::Unstated) return of_name;
     if (has("msl") || has("amsl") || has("hmsl")) return HeightKind::Msl;
     if (has("rel") || has("relative") || has("agl")) return HeightKind::Relative;
     if (has("ellipsoidal") || has("hae") || has("ell")) return HeightKind::Ellipsoidal;
@@ -123,7 +124,7 @@ std::optional<Candidate> recognise(const Quantity& quantity, const Words& words)
             c.match.canonical = quantity.canonical;
             c.match.certainty = found == StemFound::Clear && c.match.unit_stated ? Certainty::Synonym : Certainty::Guess;
             if (joined(words, 0, words.size()) == quantity.canonical) c.match.certainty = Certainty::Exact;
-            if (quantity.dimension == Dimension::Length) c.match.height = height_kind(quantity, words);
+            if (quantity.dimension == Dimension::Length) c.match.height = height_kind(quantity.height, words);
             c.stripped = first;
             return c;
         }
@@ -228,7 +229,7 @@ ColumnMatch given_match(const TableLayout& layout, TableKind kind, const std::st
         for (std::size_t n = std::min<std::size_t>(3, words.size()); n-- > 0 && !match.unit_stated;) {
             apply_unit(q, joined(words, words.size() - n - 1, words.size()), match);
         }
-        if (q.dimension == Dimension::Length) match.height = height_kind(q, words);
+        if (q.dimension == Dimension::Length) match.height = height_kind(HeightKind::Unstated, words);
     }
     if (!recognised) match.canonical = canonical;
     match.column = column;

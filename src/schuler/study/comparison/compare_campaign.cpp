@@ -162,6 +162,12 @@ report::Outcome montecarlo_of_schemes(const settings::ProcessRequest& request, s
     out.warnings = without_effect.summary();
     for (const SchemeCampaign& s : c.schemes)
         for (const std::string& failure : s.failures) out.warnings.push_back(fmt::format("{}, {}", s.scheme->name, failure));
+    for (const SchemeCampaign& s : c.schemes) {
+        if (s.failures.size() < c.seeds.size()) continue;
+        out.usable = false;
+        out.verdict = fmt::format("do not use: every run of scheme {} failed", s.scheme->name);
+        break;
+    }
     return out;
 }
 

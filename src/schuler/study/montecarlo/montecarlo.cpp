@@ -401,6 +401,12 @@ report::Outcome run_montecarlo(const CampaignRequest& request) {
     }
     if (mc.statistics().failed > told)
         out.warnings.push_back(fmt::format("{} more runs failed; summary.json lists them", mc.statistics().failed - told));
+    const CampaignStatistics& s = mc.statistics();
+    if (std::ranges::all_of(s.fields, [](const FieldStatistics& f) { return f.epochs == 0; }))
+        out.warnings.push_back(fmt::format(
+            "no statistics of errors: they count from {:.0f} s on, when the filter has settled, and no run lasts that long; give a "
+            "longer duration_s",
+            s.head.settled_s));
     const std::size_t points = settings::grid_points(mc.vary);
     if (points > 1 && mc.runs % points != 0)
         out.warnings.push_back(fmt::format("{} runs over a grid of {} points: not every point has as many", mc.runs, points));
