@@ -87,6 +87,21 @@ def resume(program, source):
     program.fails("montecarlo", "flight.toml", "-n", 3, "-o", "file/inside", parts=["file"])
 
 
+def nothing_to_show(program, source):
+    """A campaign whose runs end before the filter has settled says so; one with a scheme of which every run fails is not to be used."""
+    folder = Path(program.folder)
+    (folder / "brief.toml").write_text(FLIGHT.replace("settle_s = 10", "settle_s = 100"))
+    done = program("montecarlo", "brief.toml", "-n", "2", "-o", "brief")
+    check("no statistics of errors" in done.stderr and "100 s" in done.stderr, done.stderr)
+    (folder / "flight.toml").write_text(FLIGHT)
+    check("no statistics of errors" not in program("montecarlo", "flight.toml", "-n", "2", "-o", "flight").stderr, "told without cause")
+    (folder / "schemes.toml").write_text(FLIGHT + '[compare]\nschemes = ["loose", "separate"]\n')
+    program("montecarlo", "schemes.toml", "-n", "2", "-o", "schemes")
+    failed = subprocess.run([program.path, "montecarlo", "schemes.toml", "-n", "2", "--set", "filter.smooth=true", "-o", "failed"], cwd=folder, capture_output=True, text=True)
+    check(failed.returncode == 1 and failed.stdout.splitlines()[-1] == "do not use: every run of scheme separate failed", failed.stdout)
+    check((folder / "failed/summary.json").is_file(), "not written")
+
+
 def batch(program, source):
     folder = Path(program.folder)
     (folder / "flight.toml").write_text(FLIGHT)
@@ -193,4 +208,4 @@ def mpi(program, source):
 
 
 if __name__ == "__main__":
-    main({"campaign_resume": resume, "campaign_batch": batch, "campaign_covariance": covariance, "campaign_mpi": mpi})
+    main({"campaign_resume": resume, "campaign_batch": batch, "campaign_covariance": covariance, "campaign_mpi": mpi, "campaign_nothing": nothing_to_show})

@@ -163,6 +163,12 @@ TEST(Columns, TheUsersMapOverrides) {
     EXPECT_EQ(plan.find("height_m")->certainty, Certainty::Given);
     EXPECT_EQ(plan.find("height_m")->height, HeightKind::Msl);
     EXPECT_EQ(plan.find("std_n_m")->factor, 0.001);
+    for (const auto& [name, kind] : {std::pair("Hoehe", HeightKind::Unstated), std::pair("Z", HeightKind::Unstated),
+                                     std::pair("Hoehe_rel", HeightKind::Relative)})
+        EXPECT_EQ(
+            match_columns(layout_of({"time_s", name}), G, {{{"height_m", name}}, {}, std::nullopt}).find("height_m")->height,
+            kind)
+            << name;
     // A unit in the name of a column that the user names; a number instead of a name; a factor for three axes.
     const ColumnPlan imu =
         match_columns(layout_of({"t_ms", "foo_deg_s", "gyro_y_rad_s"}), K,
