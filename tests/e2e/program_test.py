@@ -218,6 +218,10 @@ def bad_input(program, source):
     program.fails("process", folder / "toml", parts=["dataset.toml:1"])
     program.fails("process", folder / "empty", parts=["imu.csv"])
     program.fails("process", folder / "in_g", parts=["imu.csv", "accelerometer columns", "gravity in g", "scale = { accel_m_s2"])
+    names = ", ".join(f'{new} = "{old}"' for old, new in zip(("wx", "wy", "wz", "vx", "vy", "vz"), header.split(",")[1:]))
+    dataset("steps", imu="\n".join(["time_s,wx,wy,wz,vx,vy,vz", *[f"{0.01 * i:.2f},0,0,0,0,0,-0.098" for i in range(3000)]]) + "\n",
+            toml=f'[imu]\nfile = "imu.csv"\nkind = "rates"\ncolumns = {{ {names} }}\n[gnss]\nfile = "gnss.csv"\n')
+    program.fails("process", folder / "steps", parts=["imu.kind", "gravity times the sampling interval of 0.01 s", "imu.kind = \"increments\""])
     # without a dataset.toml: the file that is nearly a log, or empty, or a folder, is named
     for name, imu, gnss, parts in [
         ("nearly", "\n".join([header.replace("gyro_x_rad_s", "apples"), *rows]), None, ["imu.csv", "lacks gyro_x_rad_s"]),

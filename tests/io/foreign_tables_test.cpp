@@ -190,6 +190,21 @@ TEST_F(ForeignTables, GyroscopeAndAccelerometerOfATelephone) {
     EXPECT_NEAR(imu.find("gyro_x")->values[0], 0.1, 1e-12);
     EXPECT_NEAR(imu.find("accel_z")->values[5], 9.8, 1e-12);
     EXPECT_NEAR(imu.find("accel_y")->values[0], 0.007, 1e-9);  // between the samples at 3 and 13 ms
+    std::string uncalibrated = "time,seconds_elapsed,z,y,x\n", mag = uncalibrated;
+    for (int i = 0; i < 40; ++i) {
+        uncalibrated += fmt::format("{},{:.3f},1,2,3\n", 1'700'000'000'000'000'000LL + 100'000'000LL * i, 0.1 * i);
+        mag += fmt::format("{},{:.3f},-45,2,20.5\n", 1'700'000'000'000'000'000LL + 100'000'000LL * i, 0.1 * i);
+    }
+    (void)write("MagnetometerUncalibrated.csv", uncalibrated);
+    EXPECT_EQ(format_of(path)->read(TextInput(path), log).streams.size(), 1U) << "the biases are in it";
+    (void)write("Magnetometer.csv", mag);
+    const StreamLog with_field = format_of(path)->read(TextInput(path), log);
+    ASSERT_EQ(with_field.streams.size(), 2U);
+    const Stream& field = *with_field.find("mag");
+    ASSERT_EQ(field.rows(), 40U) << "at its own times";
+    EXPECT_EQ(field.time_ns[1], 1'700'000'000'100'000'000LL);
+    EXPECT_EQ(field.find("mag_x_ut")->values[0], 20.5);
+    EXPECT_EQ(field.find("mag_z_ut")->values[0], -45.0);
 }
 
 /// 5 Hz written with every row at 100 Hz.

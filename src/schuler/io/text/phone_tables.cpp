@@ -1,4 +1,5 @@
-// Gyroscope and accelerometer in a table each, as loggers of telephones write them: one log of an IMU at the gyroscope's times.
+// Gyroscope, accelerometer and magnetometer in a table each, as loggers of telephones write them: one log of an IMU at the gyroscope's
+// times, and one of the field.
 #include "schuler/core/error.h"
 #include "schuler/io/formats.h"
 #include "schuler/io/place.h"
@@ -13,6 +14,7 @@
 #include <cmath>
 #include <filesystem>
 #include <initializer_list>
+#include <optional>
 #include <system_error>
 
 namespace schuler::io {
@@ -23,6 +25,7 @@ namespace fs = std::filesystem;
 constexpr std::array axes = {"x", "y", "z"};
 constexpr const char* rate = "gyro_{}_rad_s";
 constexpr const char* force = "accel_{}_m_s2";
+constexpr const char* field = "mag_{}_ut";
 
 bool has_word(const fs::path& file, std::initializer_list<std::string_view> any) {
     const std::string name = file.filename().string();
@@ -34,14 +37,18 @@ bool is_accelerometer(const fs::path& file) {
     return has_word(file, {"accelerometer", "accel", "acc", "acceleration"}) && !has_word(file, {"linear", "user", "without"});
 }
 
-/// Tables beside `gyroscope` whose name says accelerometer, by name.
-std::vector<fs::path> accelerometers_beside(const fs::path& gyroscope) {
+bool is_magnetometer(const fs::path& file) {
+    return has_word(file, {"magnetometer", "mag", "magnetic"}) && !has_word(file, {"uncalibrated", "uncal", "raw"});
+}
+
+/// Tables beside `gyroscope` whose name states the instrument, by name.
+std::vector<fs::path> beside(const fs::path& gyroscope, bool (*is_instrument)(const fs::path&)) {
     std::vector<fs::path> found;
     std::error_code failure;
     const fs::path folder = gyroscope.has_parent_path() ? gyroscope.parent_path() : fs::path(".");
     for (fs::directory_iterator it(folder, failure), end; !failure && it != end; it.increment(failure)) {
         std::error_code odd;
-        if (it->is_regular_file(odd) && it->path().extension() == gyroscope.extension() && is_accelerometer(it->path()) &&
+        if (it->is_regular_file(odd) && it->path().extension() == gyroscope.extension() && is_instrument(it->path()) &&
             !is_gyroscope(it->path()))
             found.push_back(it->path());
     }
@@ -68,7 +75,7 @@ struct Columns {
     }
 };
 
-Columns columns_of(const fs::path& file, const char* quantity) {
+Columns columns_of(const fs::path& file, const char* quantity, TableKind kind = TableKind::Imu) {
     TableLayout layout = inspect_table(TextInput(file));
     ColumnOverrides names;
     for (const char* axis : axes) {
@@ -79,7 +86,7 @@ Columns columns_of(const fs::path& file, const char* quantity) {
         if (bare != layout.names.end()) names.columns[fmt::format(fmt::runtime(quantity), axis)] = *bare;
     }
     if (names.columns.size() != 3) names.columns.clear();
-    ColumnPlan plan = match_columns(layout, TableKind::Imu, names);
+    ColumnPlan plan = match_columns(layout, kind, names);
     return {std::move(layout), std::move(plan)};
 }
 
@@ -150,11 +157,27 @@ Stream joined(const Instrument& gyroscope, const Instrument& accelerometer) {
     return stream;
 }
 
+/// The field, if a table of it has time in common with the IMU. Phones log microtesla.
+std::optional<Stream> magnetometer(const fs::path& gyroscope, const Stream& imu) {
+    for (const fs::path& candidate : beside(gyroscope, is_magnetometer)) {
+        const Columns columns = columns_of(candidate, field, TableKind::Mag);
+        if (!columns.complete(field) || columns.plan.find("time_s") == nullptr) continue;
+        const Instrument read = read_instrument(candidate, columns, field);
+        Stream stream("mag", TableKind::Mag, candidate.filename().string(), {"mag_x_ut", "mag_y_ut", "mag_z_ut"});
+        for (std::size_t i = 0; i < read.t.size(); ++i)
+            stream.add(read.t[i], {read.values[i][0], read.values[i][1], read.values[i][2]});
+        const bool meets = stream.rows() > 0 && imu.rows() > 0 && stream.time_ns.front() <= imu.time_ns.back() &&
+                           stream.time_ns.back() >= imu.time_ns.front();
+        if (meets) return stream;
+    }
+    return std::nullopt;
+}
+
 StreamLog read_phone_tables(const TextInput& input, WarningLog& warnings) {
     const fs::path file(input.name());
     const Instrument gyroscope = read_instrument(file, columns_of(file, rate), rate);
     std::string other_clock, no_gravity, other_columns;
-    for (const fs::path& candidate : accelerometers_beside(file)) {
+    for (const fs::path& candidate : beside(file, is_accelerometer)) {
         const Columns columns = columns_of(candidate, force);
         if (!columns.complete(force)) {
             other_columns = candidate.filename().string();
@@ -180,7 +203,9 @@ StreamLog read_phone_tables(const TextInput& input, WarningLog& warnings) {
         log.clock =
             !stream.time_ns.empty() && static_cast<double>(stream.time_ns.front()) * 1e-9 > dated ? Clock::Unix : Clock::Boot;
         log.contents.push_back("accelerations at the gyroscope's times, linear between their samples");
+        std::optional<Stream> mag = magnetometer(file, stream);
         log.add(std::move(stream));
+        if (mag) log.add(std::move(*mag));
         return log;
     }
     throw input_error(!other_clock.empty()  ? fmt::format("has hardly any time in common with {}", other_clock)
@@ -202,12 +227,13 @@ const Format phone_format = {
     .extensions = "Gyroscope.csv",
     .holds =
         "the IMU of a telephone: `Gyroscope.csv` (time, x, y, z) with `Accelerometer.csv` beside it, whose values are interpolated to its "
-        "times; one that shows no gravity (linear acceleration) is of no use",
+        "times; one that shows no gravity (linear acceleration) is of no use; `Magnetometer.csv` beside them (uT)",
     .time = "as its columns say",
     .recognise =
         [](const FileHead& head) {
             if (head.path.extension() != ".csv" && head.path.extension() != ".txt") return false;
-            if (!is_gyroscope(head.path) || is_accelerometer(head.path) || accelerometers_beside(head.path).empty()) return false;
+            if (!is_gyroscope(head.path) || is_accelerometer(head.path) || beside(head.path, is_accelerometer).empty())
+                return false;
             const std::string first = head.bytes.substr(0, head.bytes.find('\n'));
             const bool names = std::ranges::any_of(first, [](unsigned char c) { return std::isalpha(c) != 0; });
             return names && std::ranges::none_of(words_of_name(first), [](const std::string& word) {
