@@ -54,7 +54,7 @@ export async function browse(options, settings = {}) {
   const { chromium } = require("playwright-core");
   const browser = await chromium.launch({
     executablePath: path,
-    args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
+    args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-gpu-compositing"],
   });
   const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, acceptDownloads: true, colorScheme: "light", ...settings });
   await context.addInitScript(() => {
@@ -74,7 +74,7 @@ export async function browse(options, settings = {}) {
       }
     });
   const page = await context.newPage();
-  page.setDefaultTimeout(1000 * Number(options.wait ?? 30));
+  page.setDefaultTimeout(1000 * Number(options.wait ?? 60));
   return { browser, context, page, require };
 }
 

@@ -1,7 +1,7 @@
 // The page of `schuler ui` in a real browser on real runs, as a user goes through it.
 //   node page_test.mjs --program SCHULER --modules NODE_MODULES [--browser CHROMIUM] [--shots FOLDER] [--only work [--steps batch,carrier]] [--dist UI_BUNDLE] [--wait SECONDS]
 // --only work: the steps of page_work.mjs alone, which need no run of the others; --steps: some of them.
-// --dist: the page from this folder instead of that in the program; --wait: for a busy machine, default 30.
+// --dist: the page from this folder instead of that in the program; --wait: for a busy machine, default 60.
 // Exit status 0 passed, 1 failed, 77 skipped (no browser, or no packages for it).
 import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
