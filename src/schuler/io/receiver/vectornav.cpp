@@ -297,25 +297,27 @@ std::pair<std::size_t, std::size_t> scan(std::string_view bytes, Take take) {
     return {damaged, first};
 }
 
-/// Time axis: GPS time if the unit ever had it, with the messages before by their time since power-on; else that alone.
+/// Time axis: GPS time if the unit ever had it, with the messages before by their time since power-on; else that alone. Without any time
+/// of the unit's own the fixes have that of the receiver.
 class MessageTimes {
 public:
     explicit MessageTimes(const std::vector<VectorNavMessage>& messages) {
         for (const VectorNavMessage& m : messages) {
             gps_ = gps_ || m.gps_ns;
+            power_on_ = power_on_ || m.startup_ns;
             if (m.gps_ns && m.startup_ns && !offset_) offset_ = *m.gps_ns - *m.startup_ns;
         }
     }
-    [[nodiscard]] bool gps() const { return gps_; }
+    [[nodiscard]] bool gps() const { return gps_ || !power_on_; }
     [[nodiscard]] std::optional<std::int64_t> time_of(const VectorNavMessage& m) const {
-        if (!gps_) return m.startup_ns;
+        if (!gps()) return m.startup_ns;
         if (m.gps_ns) return m.gps_ns;
         if (m.startup_ns && offset_) return *m.startup_ns + *offset_;
         return std::nullopt;
     }
 
 private:
-    bool gps_ = false;
+    bool gps_ = false, power_on_ = false;
     std::optional<std::int64_t> offset_;
 };
 

@@ -133,28 +133,29 @@ std::string gravity_summary_json(const GravityBundle& b, std::size_t rows) {
     report::Json out = report::Json::parse(report::summary_json(b.run));
     const Attainability& a = b.attainable;
     out["preset"] = "gravity27";
-    out["gravity"] = {
-        {"vertical_mgal", component(b, 2, -1.0)},
-        {"north_mgal", component(b, 0, 1.0)},
-        {"east_mgal", component(b, 1, 1.0)},
-        {"attainable_vertical_mgal", in_mgal(a.vertical)},
-        {"attainable_horizontal_mgal", in_mgal(a.horizontal)},
-        {"resolved_period_s", report::json_number(a.resolved_period)},
-        {"innovations",
-         {{"nis", report::json_number(b.innovations.nis)},
-          {"low", report::json_number(b.innovations.low)},
-          {"high", report::json_number(b.innovations.high)},
-          {"epochs", b.innovations.epochs},
-          {"independence",
-           {{"sigmas", b.biased.sigmas}, {"throughout", b.biased.throughout}, {"probability", b.biased.probability}}}}},
-        {"separation", separation_json(b)},
-        {"usable", a.usable},
-        {"judged", {{"usable", b.verdict.usable}, {"reasons", b.verdict.reasons}}},
-        {"changes", report::table_json(changes_of(b))},
-        {"statement", a.statement},
-        {"epochs", rows},
-        {"classical",
-         // clang-format off
+    out["gravity"] = {{"vertical_mgal", component(b, 2, -1.0)},
+                      {"north_mgal", component(b, 0, 1.0)},
+                      {"east_mgal", component(b, 1, 1.0)},
+                      {"attainable_vertical_mgal", in_mgal(a.vertical)},
+                      {"attainable_horizontal_mgal", in_mgal(a.horizontal)},
+                      {"resolved_period_s", report::json_number(a.resolved_period)},
+                      {"innovations",
+                       {{"nis", report::json_number(b.innovations.nis)},
+                        {"low", report::json_number(b.innovations.low)},
+                        {"high", report::json_number(b.innovations.high)},
+                        {"epochs", b.innovations.epochs},
+                        {"independence", b.biased.tests == 0 ? report::Json(nullptr)
+                                                             : report::Json{{"sigmas", b.biased.sigmas},
+                                                                            {"throughout", b.biased.throughout},
+                                                                            {"probability", b.biased.probability}}}}},
+                      {"separation", separation_json(b)},
+                      {"usable", a.usable},
+                      {"judged", {{"usable", b.verdict.usable}, {"reasons", b.verdict.reasons}}},
+                      {"changes", report::table_json(changes_of(b))},
+                      {"statement", a.statement},
+                      {"epochs", rows},
+                      {"classical",
+                       // clang-format off
          {{"period_s", report::json_number(b.classical.period)}, {"rms", in_mgal(b.classical.rms)}, {"spread", in_mgal(b.classical.spread)}}},
         {"lines", b.lines.lines.size()},
         {"resolved_error_mgal", in_mgal(b.lines.resolved_spread)},
@@ -174,10 +175,10 @@ std::string gravity_tables(const GravityBundle& b) {
     std::string out = report::summary_tables(b.run);
     out += fmt::format("\n{}\n", b.attainable.statement);
     if (std::isfinite(b.innovations.nis))
-        out += fmt::format(
-            "innovations: NIS {:.3f} a degree of freedom, {:.3f} to {:.3f} in 95 of 100 consistent runs; independent in time with "
-            "probability {:.2g}\n",
-            b.innovations.nis, b.innovations.low, b.innovations.high, b.biased.probability);
+        out += fmt::format("innovations: NIS {:.3f} a degree of freedom, {:.3f} to {:.3f} in 95 of 100 consistent runs{}\n",
+                           b.innovations.nis, b.innovations.low, b.innovations.high,
+                           b.biased.tests == 0 ? "; too few for a test of their independence in time"
+                                               : fmt::format("; independence in time: p-value {:.2g}", b.biased.probability));
     if (!b.attainable.usable) return out + text_where_any(changes_of(b));
     const gravimetry::SurveyEpoch& last = b.epochs().back();
     report::ResultTable table{"", {{"", "disturbance"}, {"", "at the end", "mGal", ".3f"}, {"", "sigma", "mGal", ".3f"}}};
