@@ -8,7 +8,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include <atomic>
+#include <stop_token>
 #include <string>
 #include <thread>
 
@@ -47,9 +47,8 @@ TEST(SharedMemory, IsWholeWhileItIsWritten) {
     ASSERT_NE(mapped.state, nullptr);
     schuler_shared_state copy{};
     EXPECT_EQ(schuler_shared_read(mapped.state, &copy), 0) << "nothing has been written";
-    std::atomic<bool> stop = false;
-    std::thread writer([&] {
-        for (double x = 1.0; !stop; x += 1.0) memory.store(row_of(x));
+    const std::jthread writer([&](const std::stop_token& stop) {
+        for (double x = 1.0; !stop.stop_requested(); x += 1.0) memory.store(row_of(x));
     });
     std::uint64_t last = 0;
     int reads = 0;
@@ -64,8 +63,20 @@ TEST(SharedMemory, IsWholeWhileItIsWritten) {
         ASSERT_GE(copy.count, last);
         last = copy.count;
     }
-    stop = true;
-    writer.join();
+    // Two members alone are read faster than all are written: between their writes the sequence has to be odd.
+    const volatile schuler_shared_state& shared = *mapped.state;
+    int probes = 0;
+    for (int i = 0; i < 3'000'000; ++i) {
+        const std::uint64_t before = __atomic_load_n(&mapped.state->sequence, __ATOMIC_ACQUIRE);
+        const auto last_member = shared.std_attitude[2];
+        __atomic_thread_fence(__ATOMIC_ACQUIRE);
+        const std::int64_t first_member = shared.time_ns;
+        __atomic_thread_fence(__ATOMIC_ACQUIRE);
+        if (before % 2 != 0 || __atomic_load_n(&mapped.state->sequence, __ATOMIC_RELAXED) != before) continue;
+        ++probes;
+        ASSERT_NEAR(last_member, static_cast<double>(first_member), 1e-6) << probes;
+    }
+    EXPECT_GT(probes, 1000);
     EXPECT_EQ(copy.running, 1U);
 }
 
