@@ -22,11 +22,11 @@ def port():
         return s.getsockname()[1]
 
 
-def drive(program, source, name="drive", seconds=240):
+def drive(program, source, name="drive", seconds=240, more=""):
     """A simulated drive; returns its dataset.toml."""
     text = (source / "examples/demo.toml").read_text()
     scenario = Path(program.folder) / "short.toml"
-    scenario.write_text(re.sub(r"(?m)^duration_s = .*$", f"duration_s = {seconds}", text))
+    scenario.write_text(re.sub(r"(?m)^duration_s = .*$", f"duration_s = {seconds}", text) + more)
     program("simulate", str(scenario), "-o", name)
     return Path(program.folder) / name / "dataset.toml"
 
@@ -113,6 +113,39 @@ def live_replay(program, source):
     now = messages(folder / "now.jsonl", "state")
     check(now[-1]["time_s"] == 240.0 and now[-1]["at"] == "now", f"{now[-1]}")
     check(messages(folder / "now.jsonl", "health")[-1]["dropped"] == 0, "dropped")
+
+
+def live_gauges(program, source):
+    """Height gauges and a velocity log from one stream of lines carry the solution through 50 s without fixes; without them its
+    sigmas are larger. Both are right about the truth."""
+    described = drive(program, source, seconds=150, more="\n[gauges]\nrate_hz = 2\nwhite_m = 0.02\nlever_arms_m = [[0, 0, 1], [2, 0, 1]]\n"
+                      "[log]\nrate_hz = 5\nwhite_m_s = 0.01\n")
+    folder = Path(program.folder)
+    lines = program("replay", "drive", "--to", "stdout", "--speed", "0").stdout.splitlines(keepends=True)
+    check(sum('"gauges"' in line for line in lines) > 250 and sum('"log"' in line for line in lines) > 600, "not replayed")
+    late = lambda line: json.loads(line)["time_ns"] > 100 * 10**9
+    (folder / "all.jsonl").write_text("".join(line for line in lines if not ('"gnss"' in line and late(line))))
+    with open(folder / "drive/reference.csv") as f:
+        truth = {round(float(r["time_s"]), 1): r for r in csv.DictReader(f)}
+    sigma = {}
+    for name, columns in (("all", ("imu", "gnss", "baro", "gauges", "log")), ("few", ("imu", "gnss", "baro"))):
+        file = configured(program, described, "file:all.jsonl", f'[[output]]\nto = "file:{name}.csv"\nformat = "csv"\nat = "lag"\nrate_hz = 10\n',
+                          name=f"{name}.toml", columns=columns)
+        if name == "all":
+            file.write_text(file.read_text().replace("[gauges]\n", "[gauges]\ncount = 2\n"))
+        said = program("live", str(file)).stderr
+        check(("there is no source of gauges" in said) == (name == "few"), said)
+        with open(folder / f"{name}.csv") as f:
+            last = next(r for r in csv.DictReader(f) if float(r["time_s"]) >= 145.0)
+        true = truth[round(float(last["time_s"]), 1)]
+        for axis in "ned":
+            sigma[name, axis] = float(last[f"std_v{axis}_m_s"])
+            error = float(last[f"vel_{axis}_m_s"]) - float(true[f"vel_{axis}_m_s"])
+            check(abs(error) < 4.0 * sigma[name, axis], f"{name} {axis}: {error} at {sigma[name, axis]}")
+        sigma[name, "height"] = float(last["std_d_m"])
+    print({f"{name} {axis}": round(value, 4) for (name, axis), value in sigma.items()})
+    check(sigma["all", "height"] < 0.5 * sigma["few", "height"], "the gauges are not used")
+    check(sigma["all", "n"] < 0.5 * sigma["few", "n"] and sigma["all", "e"] < 0.5 * sigma["few", "e"], "the log is not used")
 
 
 def live_trouble(program, source):
@@ -273,4 +306,4 @@ def live_outputs(program, source):
 
 
 if __name__ == "__main__":
-    main({"live_replay": live_replay, "live_trouble": live_trouble, "live_state": live_state, "live_satellites": live_satellites, "live_outputs": live_outputs})
+    main({"live_replay": live_replay, "live_gauges": live_gauges, "live_trouble": live_trouble, "live_state": live_state, "live_satellites": live_satellites, "live_outputs": live_outputs})

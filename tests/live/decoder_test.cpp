@@ -233,9 +233,22 @@ TEST(LiveDecoder, RowsOfTablesAndLinesOfJson) {
     const std::vector<Sample> lines = decoded(
         *json,
         "{\"type\":\"imu\",\"time_ns\":123456789012345678,\"gyro_rad_s\":[1,2,3],\"accel_m_s2\":[4,5,null]}\r\n[1]\n{\"type\":\"x\"}\n"
-        "{\"type\":\"heading\",\"time_s\":2,\"heading_deg\":90}\n",
+        "{\"type\":\"heading\",\"time_s\":2,\"heading_deg\":90}\n"
+        "{\"type\":\"gauges\",\"time_s\":3,\"height_m\":[-12.5,null]}\n"
+        "{\"type\":\"log\",\"time_s\":4,\"velocity_m_s\":[2,0.5,-0.25]}\n",
         3);
-    ASSERT_EQ(lines.size(), 2u);
+    ASSERT_EQ(lines.size(), 4u);
+    EXPECT_EQ(std::get<GaugeSample>(lines[2]).height.x(), -12.5);
+    EXPECT_TRUE(std::isnan(std::get<GaugeSample>(lines[2]).height.y()));
+    EXPECT_EQ(std::get<BodyVelocitySample>(lines[3]).velocity_b, Eigen::Vector3d(2.0, 0.5, -0.25));
+    const std::vector<Sample> heights =
+        decoded(*make_decoder(StreamFormat::Csv, Instrument::Gauges, {}), "time_s,height_1_m,height_2_m\n1,-3,-4\n", 5);
+    ASSERT_EQ(heights.size(), 1u);
+    EXPECT_EQ(std::get<GaugeSample>(heights[0]).height.head<2>(), Eigen::Vector2d(-3.0, -4.0));
+    const std::vector<Sample> velocities =
+        decoded(*make_decoder(StreamFormat::Csv, Instrument::Log, {}), "time_s,vel_x_m_s,vel_y_m_s,vel_z_m_s\n1,2,0,0.1\n", 5);
+    ASSERT_EQ(velocities.size(), 1u);
+    EXPECT_EQ(std::get<BodyVelocitySample>(velocities[0]).velocity_b, Eigen::Vector3d(2.0, 0.0, 0.1));
     EXPECT_EQ(std::get<ImuSample>(lines[0]).time.ns, 123456789012345678);
     EXPECT_TRUE(std::isnan(std::get<ImuSample>(lines[0]).accel.z()));
     EXPECT_NEAR(std::get<HeadingSample>(lines[1]).heading, 90.0 * units::deg, 1e-15);

@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
+#include <map>
 #include <set>
 
 namespace schuler::sim {
@@ -107,7 +109,10 @@ TEST(Ranging, HidingOneSourceLeavesTheOthersAlone) {
 TEST(Ranging, ErrorsHaveTheirStatedSizes) {
     RangingSettings r = quiet(false), noisy = r;
     noisy.errors.satellite = {1.5, 2.0, 5.0, 0.1};
-    double sum = 0.0, rate = 0.0;
+    RangingSettings slow = noisy;
+    slow.errors.satellite.correlated_rate = 0.3;
+    slow.errors.satellite.correlated_rate_time = 3.0;
+    double sum = 0.0, rate = 0.0, slow_rate = 0.0, products = 0.0, squares = 0.0;
     int n = 0;
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
         RangingScenario f = frame();
@@ -118,7 +123,23 @@ TEST(Ranging, ErrorsHaveTheirStatedSizes) {
             sum += std::pow(b.samples[i].pseudorange - a.samples[i].pseudorange, 2);
             rate += std::pow(b.samples[i].range_rate - a.samples[i].range_rate, 2);
         }
+        // the slow errors of the rates come on top and leave everything else as it is
+        std::map<std::uint16_t, double> before;
+        const RangingLog c = simulate_ranges(f, *path, slow).log;
+        for (std::size_t i = 0; i < c.samples.size(); ++i) {
+            EXPECT_EQ(c.samples[i].pseudorange, b.samples[i].pseudorange);
+            const double error = c.samples[i].range_rate - b.samples[i].range_rate;
+            slow_rate += error * error;
+            const auto [at, first] = before.try_emplace(c.samples[i].source, error);
+            if (!first) {
+                products += at->second * error;
+                squares += at->second * at->second;
+            }
+            at->second = error;
+        }
     }
+    EXPECT_NEAR(std::sqrt(slow_rate / n), 0.3, 0.02);
+    EXPECT_NEAR(products / squares, std::exp(-1.0 / (r.rate * 3.0)), 0.03) << "from one epoch to the next";
     EXPECT_NEAR(std::sqrt(sum / n), 2.5, 0.1);
     EXPECT_NEAR(std::sqrt(rate / n), 0.1, 0.003);
 }

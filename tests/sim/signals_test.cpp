@@ -79,6 +79,29 @@ TEST(Signals, CodesAreDelayedByTheSlowErrors) {
     EXPECT_NEAR(later / square, std::exp(-1.0), 0.1) << "after one correlation time";
 }
 
+TEST(Signals, RatesHaveSlowErrorsOfTheirOwn) {
+    SignalSettings s = quiet();
+    const auto path = make_path(StaticPath{place}, earth::wgs84);
+    const Signals clean(frame(), *path, s);
+    EXPECT_EQ(clean.rate_error(0, 1.0), 0.0);
+    s.ranging.errors.satellite.correlated_rate = 0.2;
+    s.ranging.errors.satellite.correlated_rate_time = 1.0;
+    const Signals signals(frame(), *path, s);
+    double square = 0.0, later = 0.0, together = 0.0, n = 0.0;
+    for (std::size_t i = 0; i < signals.size(); ++i)
+        for (double t = 0.0; t < 58.0; t += 0.05) {
+            EXPECT_EQ(signals.motion(i, t).range, clean.motion(i, t).range);
+            const double e = signals.rate_error(i, t);
+            square += e * e;
+            later += e * signals.rate_error(i, t + 1.0);
+            together += e * signals.rate_error((i + 1) % signals.size(), t);
+            n += 1.0;
+        }
+    EXPECT_NEAR(std::sqrt(square / n), 0.2, 0.02);
+    EXPECT_NEAR(later / square, std::exp(-1.0), 0.1) << "after one correlation time";
+    EXPECT_NEAR(together / square, 0.0, 0.15) << "of two satellites";
+}
+
 TEST(Signals, WeakenAsFreeSpaceAndProfileSay) {
     SignalSettings s = quiet();
     s.profile = {{10.0, 45.0}, {20.0, 35.0}};

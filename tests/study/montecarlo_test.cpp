@@ -16,6 +16,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <set>
 #include <sstream>
 
@@ -349,6 +350,31 @@ TEST(MonteCarlo, FixesOfRangesAreToldTheirSlowErrors) {
         EXPECT_GT(scheme["nees_position"]["mean"].get<double>(), 0.9) << scheme["scheme"];
         EXPECT_LT(scheme["nees_position"]["mean"].get<double>(), 6.4) << scheme["scheme"];
         EXPECT_LT(scheme["nees_velocity"]["mean"].get<double>(), 6.4) << scheme["scheme"];
+    }
+}
+
+/// Slow errors of the range rates are states of the tight filter, and errors of the velocities of fixes made of ranges. A filter that
+/// takes them for noise is sure of a wrong velocity.
+TEST(MonteCarlo, SlowErrorsOfRangeRatesAreTold) {
+    std::string text = ranges_flight;
+    text.replace(text.find("\"loose-15\", \"loose\""), 19, "\"tight\", \"loose\"");
+    text.insert(text.find("[run]"), "correlated_rate_m_s = 0.3\ncorrelated_rate_time_s = 60\n");
+    const auto nees = [&](const settings::SettingList& above) {
+        settings::ProcessRequest request = request_of(text, "rates");
+        request.above.insert(request.above.end(), above.begin(), above.end());
+        const auto json = nlohmann::json::parse(campaign_json(compare_campaign(request, 8, 1)));
+        std::map<std::string, double> out;
+        for (const auto& scheme : json["schemes"])
+            out[scheme["scheme"].get<std::string>()] = scheme["nees_velocity"]["mean"].get<double>();
+        return out;
+    };
+    const std::map<std::string, double> told = nees({}),
+                                        untold = nees({settings::setting_from_text("ranges.correlated_rate_m_s=0")});
+    ASSERT_EQ(told.size(), 2U);
+    for (const auto& [scheme, value] : told) {
+        EXPECT_GT(value, 0.9) << scheme;  // 8 runs of 3 degrees of freedom, 99.9 % bounds
+        EXPECT_LT(value, 6.4) << scheme;
+        EXPECT_GT(untold.at(scheme), 2.5 * value) << scheme;
     }
 }
 

@@ -182,24 +182,32 @@ private:
 }  // namespace
 
 RangeFixes fixes_from_ranges(const RangingLog& log, const std::optional<gnss::BroadcastIonosphere>& ionosphere,
-                             const gnss::SinglePointSettings& settings, double slow) {
+                             const gnss::SinglePointSettings& settings, double slow, double slow_rate) {
     const gnss::BroadcastSource nobody{gnss::Navigation{}};
     gnss::SinglePoint solver(nobody, ionosphere, settings);
     RangeFixes out;
-    LevelSigmas sigmas, jumps;
+    LevelSigmas sigmas, jumps, velocities;
     std::optional<gnss::SinglePointSolution> before;
     for (const RangeEpoch& e : log.epochs) {
         std::vector<gnss::Range> ranges = gnss::satellite_ranges(log, e);
-        for (gnss::Range& r : ranges) r.slow = slow;
+        double slow_share = 0.0;  // of the variance of a velocity: the geometry is that of all errors
+        for (gnss::Range& r : ranges) {
+            r.slow = slow;
+            if (!(slow_rate > 0.0 && r.sigma_rate > 0.0)) continue;
+            r.sigma_rate = std::hypot(r.sigma_rate, slow_rate);
+            slow_share += slow_rate * slow_rate / (r.sigma_rate * r.sigma_rate * static_cast<double>(ranges.size()));
+        }
         gnss::SinglePointSolution s = solver.solve(std::move(ranges), e.time);
         if (s.status != gnss::SinglePointStatus::Solved) continue;
         const GnssFix& fix = out.fixes.emplace_back(fix_from(s));
         sigmas.add(s.slow_covariance, fix.position);
+        if (s.velocity.allFinite()) velocities.add(slow_share * s.velocity_covariance, fix.position);
         if (before && before->used() != s.used()) jumps.add(jump_between(*before, s), fix.position);
         before = std::move(s);
     }
     out.slow = sigmas.median();
     out.change = jumps.median();
+    out.slow_velocity = velocities.median();
     return out;
 }
 

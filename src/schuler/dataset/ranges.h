@@ -33,10 +33,11 @@ struct RangeFixes {
     std::vector<GnssFix> fixes;                        ///< with the sigma of the total error
     Eigen::Vector3d slow = Eigen::Vector3d::Zero();    ///< m, of the slow errors: median over the fixes
     Eigen::Vector3d change = Eigen::Vector3d::Zero();  ///< m, jump of these with a change of the satellites: median; 0: none
+    Eigen::Vector3d slow_velocity = Eigen::Vector3d::Zero();  ///< m/s, of the slow errors of the rates: median over the fixes
 };
 /// For each epoch with enough ranges: required by start-up and the other schemes. `slow`: m, one sigma of the slow error of a
-/// range; 0: unknown.
+/// range, 0: unknown; `slow_rate`: m/s, of that of a range rate beyond its stated sigma.
 [[nodiscard]] RangeFixes fixes_from_ranges(const RangingLog& log, const std::optional<gnss::BroadcastIonosphere>& ionosphere,
-                                           const gnss::SinglePointSettings& settings, double slow);
+                                           const gnss::SinglePointSettings& settings, double slow, double slow_rate);
 
 }  // namespace schuler::dataset

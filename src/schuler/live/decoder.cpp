@@ -35,6 +35,8 @@ void read_rows(const std::string& table, Instrument instrument, const io::CsvOpt
         case Instrument::Mag: return add(io::read_mag_csv(input_of(table), options, heard).samples);
         case Instrument::Odometer: return add(io::read_odometer_csv(input_of(table)));
         case Instrument::Heading: return add(io::read_compass_csv(input_of(table)));
+        case Instrument::Gauges: return add(io::read_gauges_csv(input_of(table)));
+        case Instrument::Log: return add(io::read_dvl_csv(input_of(table)));
     }
 }
 
@@ -402,7 +404,8 @@ private:
 }  // namespace
 
 std::string_view name_of(Instrument instrument) {
-    constexpr std::array<std::string_view, instrument_count> names{"imu", "gnss", "baro", "mag", "odometer", "heading"};
+    constexpr std::array<std::string_view, instrument_count> names{"imu",      "gnss",    "baro",   "mag",
+                                                                   "odometer", "heading", "gauges", "log"};
     return names[static_cast<std::size_t>(instrument)];
 }
 

@@ -15,12 +15,12 @@
 
 namespace schuler::live {
 
-enum class Instrument { Imu, Gnss, Baro, Mag, Odometer, Heading };
-inline constexpr std::size_t instrument_count = 6;
+enum class Instrument { Imu, Gnss, Baro, Mag, Odometer, Heading, Gauges, Log };
+inline constexpr std::size_t instrument_count = 8;
 [[nodiscard]] std::string_view name_of(Instrument instrument);  ///< "imu", ...
 
-using Sample =
-    std::variant<ImuSample, GnssFix, BaroSample, MagSample, OdometerSample, HeadingSample>;  // in the order of Instrument
+using Sample = std::variant<ImuSample, GnssFix, BaroSample, MagSample, OdometerSample, HeadingSample, GaugeSample,
+                            BodyVelocitySample>;  // in the order of Instrument
 
 /// Ubx: NAV-PVT, NAV-SAT. Novatel: content of such files. Vectornav: binary messages. Csv: header line first. Json: one line per sample, any instrument. Gpsd: TPV, SKY.
 enum class StreamFormat { Nmea, Ubx, Novatel, Vectornav, Csv, Json, Gpsd };

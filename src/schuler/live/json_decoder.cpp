@@ -29,6 +29,16 @@ Eigen::Vector3d vector_of(const Json& j, const char* key) {
     return out;
 }
 
+/// One to three heights.
+Eigen::Vector3d heights_of(const Json& j, const char* key) {
+    Eigen::Vector3d out = not_given3();
+    const auto it = j.find(key);
+    if (it == j.end() || !it->is_array() || it->size() > 3) return out;
+    for (std::size_t i = 0; i < it->size(); ++i)
+        if ((*it)[i].is_number()) out[static_cast<Eigen::Index>(i)] = (*it)[i].get<double>();
+    return out;
+}
+
 /// time_ns, an integer, or time_s.
 std::optional<Time> time_of(const Json& j) {
     if (const auto ns = j.find("time_ns"); ns != j.end() && ns->is_number_integer()) return Time{ns->get<std::int64_t>()};
@@ -82,6 +92,10 @@ protected:
         } else if (kind == "heading") {
             out.emplace_back(
                 HeadingSample{*time, number_of(j, "heading_deg") * units::deg, number_of(j, "std_deg") * units::deg});
+        } else if (kind == "gauges") {
+            out.emplace_back(GaugeSample{*time, heights_of(j, "height_m")});
+        } else if (kind == "log") {
+            out.emplace_back(BodyVelocitySample{*time, vector_of(j, "velocity_m_s")});
         } else {
             ++counters_.foreign;
             return true;

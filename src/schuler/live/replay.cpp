@@ -87,8 +87,19 @@ std::string line_of(const HeadingSample& s) {
     return text + "}\n";
 }
 
+std::string line_of(const GaugeSample& s) {
+    std::string text = begin("gauges", s.time);
+    put(text, "height_m", s.height);
+    return text + "}\n";
+}
+std::string line_of(const BodyVelocitySample& s) {
+    std::string text = begin("log", s.time);
+    put(text, "velocity_m_s", s.velocity_b);
+    return text + "}\n";
+}
+
 using Pointer = std::variant<const ImuSample*, const GnssFix*, const BaroSample*, const MagSample*, const OdometerSample*,
-                             const HeadingSample*>;
+                             const HeadingSample*, const GaugeSample*, const BodyVelocitySample*>;
 
 /// All samples, those of the IMU last among simultaneous ones.
 std::vector<std::pair<Time, Pointer>> in_order(const Recording& r) {
@@ -101,6 +112,8 @@ std::vector<std::pair<Time, Pointer>> in_order(const Recording& r) {
     add(r.mag);
     add(r.odometer);
     add(r.heading);
+    add(r.gauges);
+    add(r.body_velocity);
     add(r.imu);
     std::ranges::stable_sort(out, {}, [](const auto& p) { return p.first; });
     return out;

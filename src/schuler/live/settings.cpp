@@ -115,6 +115,8 @@ OptionTable<LiveSettings> make_table() {
     }
     t.add(settings::number<L>("imu.rate_hz", 1.0, 5, 1e4, "live: nominal sample rate",
                               [](auto& l) -> auto& { return l.imu_rate; }))
+        .add(settings::integer<L>("gauges.count", 1, 3, "live: number of heights in a sample of the gauges",
+                                  [](auto& l) -> auto& { return l.gauges; }))
         .add(settings::number<L>("live.lag_s", 1.0, 0, 10, "largest delay of a sample after the IMU",
                                  [](auto& l) -> auto& { return l.lag; }))
         .add(settings::number<L>("live.still_delay_s", 1.0, 0, 5, "additional delay for the detection of standstill",
@@ -154,8 +156,8 @@ std::vector<std::string> without_effect(const LiveSettings& l, const settings::S
                  {"odometer.", sent(Instrument::Odometer), "there is no source of the odometer"},
                  {"heading.", sent(Instrument::Heading), "there is no source of a heading"},
                  {"compass.", sent(Instrument::Heading), "there is no source of a heading"},
-                 {"gauges.", false, "a live run takes no gauges"},
-                 {"log.", false, "a live run takes no log of velocity"},
+                 {"gauges.", sent(Instrument::Gauges), "there is no source of gauges"},
+                 {"log.", sent(Instrument::Log), "there is no source of a velocity log"},
                  {"ranges.", false, "a live run takes no ranges"},
                  {"stations.", false, "a live run takes no ranges"},
                  {"base.", false, "a live run takes no ranges"},
@@ -240,6 +242,9 @@ filter::NavigatorSettings navigator_settings(const LiveSettings& l) {
     n.rates.mag = rate(Instrument::Mag, 200.0);
     n.rates.odometer = rate(Instrument::Odometer, 200.0);
     n.rates.heading = rate(Instrument::Heading, 20.0);
+    n.rates.gauges = rate(Instrument::Gauges, 20.0);
+    n.rates.gauge_count = n.rates.gauges > 0.0 ? l.gauges : 0;
+    n.rates.log = rate(Instrument::Log, 20.0);
     return n;
 }
 

@@ -38,6 +38,7 @@ struct LiveSettings {
     std::array<SourceSettings, instrument_count> sources;  ///< by Instrument
     std::vector<OutputSettings> outputs;
     double imu_rate = 100.0;                                   ///< Hz, nominal
+    int gauges = 1;                                            ///< number of heights in a sample of the gauges, at most 3
     double lag = 0.5, still_delay = 0.0, longest_hole = 10.0;  ///< s, NavigatorSettings
     std::string state;                 ///< file that preserves the filter's state between runs; empty: none
     double save_every = 60.0;          ///< s

@@ -23,13 +23,15 @@ StreamFormat format_of(const SourceSettings& s, const Endpoint& endpoint) {
 }
 
 const dataset::FileSource& file_of(const settings::Config& c, Instrument i) {
+    static const dataset::FileSource none;
     switch (i) {
         case Instrument::Imu: return c.imu;
         case Instrument::Gnss: return c.gnss;
         case Instrument::Baro: return c.baro;
         case Instrument::Mag: return c.mag;
         case Instrument::Odometer: return c.odometer;
-        default: return c.heading;
+        case Instrument::Heading: return c.heading;
+        default: return none;  // with the only names of columns that there are
     }
 }
 

@@ -136,7 +136,7 @@ void SimulatedReceiver::measure(RangingLog& log) {
         s.pseudorange = m.range + sky_.signals().code_delay(m.signal, t);
         s.std = std::sqrt(m.range_variance);
         if (std::isfinite(m.rate_variance)) {
-            s.range_rate = m.rate;
+            s.range_rate = m.rate + sky_.signals().rate_error(m.signal, t - 0.5 * m.rate_span);
             // part of a rate's clock noise beyond the common part, for which the filter has a state
             const double more = clock_density * std::max(0.0, 1.0 / m.rate_span - 1.0 / rate_span_);
             s.std_rate = std::sqrt(m.rate_variance + more);

@@ -3,13 +3,15 @@
 
 namespace schuler::sensor {
 
-/// Errors of the ranges of one kind of source, one sigma, SI units. The correlated part is an independent stationary first-order
-/// Gauss-Markov process for each source.
+/// Errors of the ranges of one kind of source, one sigma, SI units. The correlated parts of range and range rate are independent
+/// stationary first-order Gauss-Markov processes for each source.
 struct RangeErrorModel {
-    double white = 1.5;               ///< m
-    double correlated = 2.0;          ///< m (0: none)
-    double correlation_time = 600.0;  ///< s
-    double rate = 0.1;                ///< m/s, white, of the range rate
+    double white = 1.5;                   ///< m
+    double correlated = 2.0;              ///< m (0: none)
+    double correlation_time = 600.0;      ///< s
+    double rate = 0.1;                    ///< m/s, white, of the range rate
+    double correlated_rate = 0.0;         ///< m/s, of the range rate (0: none)
+    double correlated_rate_time = 120.0;  ///< s
 };
 
 /// A receiver's oscillator by its Allan coefficients: white and random-walk frequency noise (math.md 5.2).

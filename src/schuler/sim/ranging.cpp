@@ -28,21 +28,26 @@ void check(const RangingSettings& s) {
 struct Source {
     Transmitter transmitter;
     sensor::RangeErrorModel errors;
-    math::Random white, slow, rate;
-    double correlated = 0.0, phase = 0.0;
+    math::Random white, slow, rate, slow_rate;
+    double correlated = 0.0, correlated_rate = 0.0, phase = 0.0;
 
     Source(const Transmitter& of, const sensor::RangeErrorModel& model, std::uint64_t seed)
         : transmitter(of),
           errors(model),
           white(seed, "ranges.white." + of.name),
           slow(seed, "ranges.slow." + of.name),
-          rate(seed, "ranges.rate." + of.name) {
+          rate(seed, "ranges.rate." + of.name),
+          slow_rate(seed, "ranges.slow_rate." + of.name) {
         correlated = errors.correlated * slow.normal();
+        correlated_rate = errors.correlated_rate * slow_rate.normal();
         phase = 2.0 * std::numbers::pi * slow.uniform();
     }
     void advance(double dt) {
         const double kept = std::exp(-dt / errors.correlation_time);
         correlated = kept * correlated + std::sqrt(1.0 - kept * kept) * errors.correlated * slow.normal();
+        if (!(errors.correlated_rate > 0.0)) return;
+        const double left = std::exp(-dt / errors.correlated_rate_time);
+        correlated_rate = left * correlated_rate + std::sqrt(1.0 - left * left) * errors.correlated_rate * slow_rate.normal();
     }
 };
 
@@ -109,7 +114,7 @@ private:
         m.pseudorange =
             p->range + bias - c * p->transmitter.clock + source.errors.white * white + source.correlated + fault + reflected;
         m.range_rate = (after->range - before->range) / (2.0 * h) + drift - c * p->transmitter.clock_rate +
-                       source.errors.rate * rate_noise + fault_rate;
+                       source.errors.rate * rate_noise + source.correlated_rate + fault_rate;
         if (!from.satellite) {
             m.pseudorange += network;
             m.range_rate = RangeSample::none;  // not transmitted in extended squitters

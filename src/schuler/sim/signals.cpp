@@ -72,6 +72,9 @@ Signals::Signals(const RangingScenario& scenario, const TruthPath& path, const S
         math::Random random(scenario.seed, "signals.slow." + transmitter.name);
         const double kept = std::exp(-1.0 / (rate * slow.correlation_time));
         double delay = slow.correlated * random.normal();
+        math::Random random_rate(scenario.seed, "signals.slow_rate." + transmitter.name);
+        const double left = std::exp(-1.0 / (rate * slow.correlated_rate_time));
+        double rate_error = slow.correlated_rate * random_rate.normal();
         for (std::size_t k = 0; k < count; ++k) {
             // before the start the path is extrapolated from its initial state
             const double t = time(k), on_path = std::max(t, 0.0);
@@ -82,6 +85,9 @@ Signals::Signals(const RangingScenario& scenario, const TruthPath& path, const S
             track.state.push_back(static_cast<char>(!view ? 0 : lines.silent(transmitter, on_path) ? 1 : 2));
             track.delay.push_back(static_cast<float>(delay));
             delay = kept * delay + std::sqrt(1.0 - kept * kept) * slow.correlated * random.normal();
+            if (!(slow.correlated_rate > 0.0)) continue;
+            track.rate_error.push_back(static_cast<float>(rate_error));
+            rate_error = left * rate_error + std::sqrt(1.0 - left * left) * slow.correlated_rate * random_rate.normal();
         }
         for (std::size_t k = lead; k-- > 0;)
             track.range[k] = 3.0 * track.range[k + 1] - 3.0 * track.range[k + 2] + track.range[k + 3];
@@ -140,6 +146,14 @@ double Signals::code_delay(std::size_t i, double t) const {
     const std::size_t k = index(t, s);
     const std::vector<float>& d = tracks_[i].delay;
     return d[k] + s * (d[k + 1] - d[k]);
+}
+
+double Signals::rate_error(std::size_t i, double t) const {
+    const std::vector<float>& e = tracks_[i].rate_error;
+    if (e.empty()) return 0.0;
+    double s = 0.0;
+    const std::size_t k = index(t, s);
+    return e[k] + s * (e[k + 1] - e[k]);
 }
 
 double Signals::jammer_to_signal(double t) const {

@@ -41,7 +41,8 @@ struct SignalMotion {
 };
 
 /// Immutable. Between samples at 20 Hz ranges are cubics with fourth-order difference slopes: errors 2e-5 m and 1e-3 m/s if a
-/// vehicle goes from zero to 20 g within a second. Slow errors of the ranges delay the code only.
+/// vehicle goes from zero to 20 g within a second. Slow errors are those of the
+/// measured ranges and rates: the signals themselves are without them.
 class Signals {
 public:
     Signals(const RangingScenario& scenario, const TruthPath& path, const SignalSettings& settings);
@@ -56,15 +57,18 @@ public:
     [[nodiscard]] double cn0(std::size_t i, double t) const;
     /// Slow error of the code, m.
     [[nodiscard]] double code_delay(std::size_t i, double t) const;
+    /// Slow error of the range rate, m/s.
+    [[nodiscard]] double rate_error(std::size_t i, double t) const;
     /// Of all jammers together against one satellite, dB; minus infinity without any.
     [[nodiscard]] double jammer_to_signal(double t) const;
 
 private:
     struct Track {
         gnss::SatelliteId satellite;
-        std::vector<double> range;  ///< m, starting two samples before the start
-        std::vector<float> delay;   ///< m
-        std::vector<char> state;    ///< 0 out of view, 1 blocked, 2 received
+        std::vector<double> range;      ///< m, starting two samples before the start
+        std::vector<float> delay;       ///< m
+        std::vector<float> rate_error;  ///< m/s; empty: none
+        std::vector<char> state;        ///< 0 out of view, 1 blocked, 2 received
     };
     [[nodiscard]] std::size_t index(double t, double& part) const;
 

@@ -29,10 +29,11 @@ RangingLog ranges_from_raw(const std::filesystem::path& folder, settings::Config
 void take_fixes_from_ranges(LoadedDataset& data) {
     const sensor::RangeErrorModel& ranges = data.config.filter.ranging.errors.satellite;
     const bool known = data.given.contains("ranges.correlated_m");
-    dataset::RangeFixes found = dataset::fixes_from_ranges(data.recording.ranges, data.config.filter.ranging.ionosphere,
-                                                           data.config.raw.solver, known ? ranges.correlated : 0.0);
+    dataset::RangeFixes found =
+        dataset::fixes_from_ranges(data.recording.ranges, data.config.filter.ranging.ionosphere, data.config.raw.solver,
+                                   known ? ranges.correlated : 0.0, ranges.correlated_rate);
     data.recording.gnss = std::move(found.fixes);
-    if (!known || data.given.contains("gnss.correlated_m") || data.recording.gnss.empty()) return;
+    if (data.recording.gnss.empty()) return;
     sensor::GnssErrorModel& errors = data.config.filter.gnss.errors;
     const auto tell = [&data](const char* key, auto& setting, const auto& value, const char* note) {
         if (data.given.contains(key)) return;
@@ -44,12 +45,22 @@ void take_fixes_from_ranges(LoadedDataset& data) {
         data.facts.push_back(std::move(fact));
     };
     const char* by_geometry = "derived from ranges.correlated_m by the geometry of the fixes";
-    const Eigen::Vector3d none = Eigen::Vector3d::Zero();
-    tell("gnss.correlated_m", errors.correlated_position, found.slow, by_geometry);
-    tell("gnss.change_correlated_m", errors.change_correlated_position, found.change, by_geometry);
-    tell("gnss.correlated_time_s", errors.correlated_time, ranges.correlation_time, "that of the ranges");
-    tell("gnss.correlated_distance_m", errors.correlated_distance, 0.0, "that of the ranges");
-    tell("gnss.correlated_velocity_m_s", errors.correlated_velocity, none, "the errors of range rates are white");
+    const bool derived = known && !data.given.contains("gnss.correlated_m");
+    if (derived) {
+        tell("gnss.correlated_m", errors.correlated_position, found.slow, by_geometry);
+        tell("gnss.change_correlated_m", errors.change_correlated_position, found.change, by_geometry);
+        tell("gnss.correlated_time_s", errors.correlated_time, ranges.correlation_time, "that of the ranges");
+        tell("gnss.correlated_distance_m", errors.correlated_distance, 0.0, "that of the ranges");
+    }
+    if (ranges.correlated_rate > 0.0) {
+        tell("gnss.correlated_velocity_m_s", errors.correlated_velocity, found.slow_velocity,
+             "derived from ranges.correlated_rate_m_s by the geometry of the fixes");
+        tell("gnss.correlated_velocity_time_s", errors.correlated_velocity_time, ranges.correlated_rate_time,
+             "that of the range rates");
+    } else if (derived) {
+        tell("gnss.correlated_velocity_m_s", errors.correlated_velocity, found.slow_velocity,
+             "the errors of range rates are white");
+    }
 }
 
 }  // namespace schuler::solution

@@ -93,7 +93,7 @@ const std::array<Source, 24> all_sources{{
          multipath(bare).amplitude = multipath(full).amplitude;
      },
      has_satellites},
-    {"range_rate", "range rates", keep<satellite, &RangeErrorModel::rate>, has_satellites},
+    {"range_rate", "range rates", keep<satellite, &RangeErrorModel::rate, &RangeErrorModel::correlated_rate>, has_satellites},
     {"stations", "ground stations", keep<ranging, &RangingErrorModel::station, &RangingErrorModel::network>, has_stations},
     {"clock", "receiver's clock", keep<ranging, &RangingErrorModel::clock>, has_ranges},
     {"baro", "barometer", keep<baro, &BaroSettings::white, &BaroSettings::bias, &BaroSettings::bias_walk>, sampled<baro>},
@@ -132,7 +132,8 @@ settings::ScenarioConfig without_errors(const settings::ScenarioConfig& full) {
     bare.sim.gnss.errors.correlated_velocity_time = slow.correlated_velocity_time;
     bare.sim.baro.white = bare.sim.baro.bias = bare.sim.baro.bias_walk = 0.0;
     sensor::RangingErrorModel& ranges = bare.ranging.settings.errors;
-    for (sensor::RangeErrorModel* of : {&ranges.satellite, &ranges.station}) of->white = of->correlated = of->rate = 0.0;
+    for (sensor::RangeErrorModel* of : {&ranges.satellite, &ranges.station})
+        of->white = of->correlated = of->rate = of->correlated_rate = 0.0;
     ranges.network = 0.0;
     ranges.clock = {0.0, 0.0, 0.0, 0.0};
     bare.ranging.settings.multipath.amplitude = 0.0;

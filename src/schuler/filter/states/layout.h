@@ -59,10 +59,11 @@ public:
     int phases = 0;             ///< number of carriers
     int network = -1;           ///< 1, m, ground stations' common offset
     int intersystem = -1;       ///< 3, m, GLONASS, Galileo, BeiDou relative to the GPS clock
+    int source_rate = -1;       ///< slots: slow error of a source's range rate, m/s; slot k belongs to the source of slot k below
     int source = -1;            ///< slots: slow error of a source of ranges, m; the last block
     int size = 0;               ///< total of all blocks
 
-    static constexpr int slots = 30;  ///< of the source block
+    static constexpr int slots = 30;  ///< of the source blocks
 
     /// Position, velocity, attitude and the sensors' biases.
     Layout();

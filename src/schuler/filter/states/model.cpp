@@ -63,8 +63,10 @@ Layout layout_with(const Settings& settings, const Sensors& sensors) {
         L.drift = L.add("clock_drift", "m/s", 1);
         if (settings.ranging.use_rates && settings.ranging.errors.rate_span > 0.0)
             L.rate_noise = L.add("range_rate_common_noise", "m/s", 1);
+        const bool slow_rates = settings.ranging.use_rates && settings.ranging.errors.satellite.correlated_rate > 0.0;
         if (settings.coupling == Coupling::Deep && settings.ranging.use_rates) {
-            constexpr int most = 12, after = 4 + Layout::slots;
+            constexpr int most = 12;
+            const int after = 4 + (slow_rates ? 2 : 1) * Layout::slots;
             L.phases = std::clamp((estim::max_states - after - L.size - 3) / 2, 0, most);
             if (L.phases > 0) {
                 L.antenna = L.add("antenna_at_last_phase", "m", 3);
@@ -73,6 +75,7 @@ Layout layout_with(const Settings& settings, const Sensors& sensors) {
         }
         L.network = L.add("station_network_offset", "m", 1);
         L.intersystem = L.add("intersystem_offset", "m", 3);
+        if (slow_rates) L.source_rate = L.add("range_rate_slow_error", "m/s", Layout::slots);
         L.source = L.add("range_slow_error", "m", Layout::slots);
     } else {
         if (settings.gnss.latency_std > 0.0) L.gnss_latency = L.add("gnss_latency_error", "s", 1);
@@ -156,6 +159,8 @@ InertialModel make_model(const Settings& settings, const Layout& layout) {
         model.clock_psd = e.clock.phase_psd();
         model.drift_psd = e.clock.frequency_psd();
         model.set_process(layout.network, 1, StateProcess::markov(e.network, e.network_time));
+        model.set_process(layout.source_rate, Layout::slots,
+                          StateProcess::markov(e.satellite.correlated_rate, e.satellite.correlated_rate_time));
         // Effects without states: fixes are too noisy to reveal them, ranges at ten hertz are not.
         const sensor::ImuErrorModel& imu = settings.imu.errors;
         model.gyro_gain =

@@ -42,42 +42,9 @@ double RangeUpdate<Frame>::sigma_of(double stated, double model_sigma, bool stat
 }
 
 template <class Frame>
-int RangeUpdate<Frame>::slot_of(InertialFilter<Frame>& f, RangeTracking& tracking, int source, bool station, double sigma,
-                                RangeListener* listener) const {
-    const sensor::RangeErrorModel& m = errors_of(station);
-    if (!(m.correlated > 0.0)) return -1;
-    constexpr double forgotten = 5.0;  // correlation times after which a slot may be reassigned
-    std::size_t free = Layout::slots;
-    for (std::size_t k = 0; k < Layout::slots; ++k) {
-        const RangeTracking::Slot& slot = tracking.slots[k];
-        if (slot.source == source) return model_.layout.source + static_cast<int>(k);
-        if (free == Layout::slots && slot.source < 0) free = k;
-    }
-    for (std::size_t k = 0; k < Layout::slots && free == Layout::slots; ++k) {
-        const RangeTracking::Slot& slot = tracking.slots[k];
-        if ((f.time() - slot.last).seconds() > forgotten * errors_of(slot.station).correlation_time) free = k;
-    }
-    if (free == Layout::slots) return -1;
-    tracking.watch.forget(tracking.slots[free].source);
-    tracking.slots[free] = {source, station, f.time(), {}};
-    const int state = model_.layout.source + static_cast<int>(free);
-    renew(f, tracking, state, sigma * sigma, listener);
-    f.set_slot_process(free, StateProcess::markov(sigma, m.correlation_time));
-    return state;
-}
-
-template <class Frame>
 Matrix9 RangeUpdate<Frame>::local_rows(const NavState& nav) const {
     if constexpr (Frame::errors_are_geographic) return Matrix9::Identity();
     else return ins::geographic_from_ecef_errors(model_.earth, nav).transpose();
-}
-
-template <class Frame>
-void RangeUpdate<Frame>::renew(InertialFilter<Frame>& f, RangeTracking& tracking, int state, double variance,
-                               RangeListener* listener) const {
-    tracking.watch.renew(state);
-    f.renew(state, variance);
-    if (listener != nullptr) listener->renewed(state);
 }
 
 template <class Frame>
@@ -138,8 +105,11 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
             by_model ? settings_.corrections.code_sigma * m.noise * gnss::noise_factor(direction.elevation, m.cn0) : 0.0;
         const double slow_sigma =
             by_model ? std::sqrt(air_delay.variance + m.variance + reflections * reflections) : errors.correlated;
-        const int slot = slot_of(f, tracking, m.source, source.station, slow_sigma, listener), offset = intersystem_of(source);
-        if (slot >= 0) tracking.slots[static_cast<std::size_t>(slot - L.source)].last = f.time();
+        const int assigned = slot_of(f, tracking, m.source, source.station, slow_sigma, listener),
+                  offset = intersystem_of(source);
+        if (assigned >= 0) tracking.slots[static_cast<std::size_t>(assigned)].last = f.time();
+        const int slot = assigned >= 0 && errors.correlated > 0.0 ? L.source + assigned : -1;
+        const int slow_rate = assigned >= 0 && has_slow_rate(source.station) ? L.source_rate + assigned : -1;
 
         const auto next = [&](bool is_rate) -> RangeScalar& {
             RangeScalar& s = work.scalars[work.count++];  // may contain data of another epoch
@@ -211,7 +181,15 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
             s.row.add(L.drift, way);
             if (L.rate_noise >= 0) s.row.add(L.rate_noise, way);
             const double common = L.rate_noise >= 0 ? way * nominal(L.rate_noise) : 0.0;
-            s.innovation = rate + drift + common + of_phase - speed_of_light * m.tx_clock_rate - m.range_rate + s.row.dot(dx);
+            double slow = 0.0;
+            if (slow_rate >= 0) {  // as the receiver measures it, in either direction of the filter's time
+                s.row.add(slow_rate, 1.0);
+                slow = nominal(slow_rate);
+            } else if (has_slow_rate(source.station)) {
+                s.variance += errors.correlated_rate * errors.correlated_rate;  // no slot is free
+            }
+            s.innovation =
+                rate + drift + common + of_phase + slow - speed_of_light * m.tx_clock_rate - m.range_rate + s.row.dot(dx);
         }
     }
 }
@@ -373,6 +351,10 @@ void RangeUpdate<Frame>::leave_out(InertialFilter<Frame>& f, RangeTracking& trac
         slot.doubted.reset();
         const StateProcess& process = f.slot_process[k];
         renew(f, tracking, model_.layout.source + static_cast<int>(k), process.psd / (2.0 * process.decay), listener);
+        if (has_slow_rate(slot.station)) {
+            const double sigma = errors_of(slot.station).correlated_rate;
+            renew(f, tracking, model_.layout.source_rate + static_cast<int>(k), sigma * sigma, listener);
+        }
     }
 }
 

@@ -30,7 +30,7 @@ struct RangeTest {
 struct RangeScalar {
     int source = 0;  ///< index into RangingLog::sources
     bool station = false, is_rate = false, use = true;
-    int slot = -1;            ///< state of the source's slow error
+    int slot = -1;            ///< state of the slow error of the source's range
     double innovation = 0.0;  ///< computed minus measured, m or m/s
     double variance = 1.0;    ///< of its white noise
     double distance = 0.0;    ///< m
@@ -56,7 +56,7 @@ struct RangeEpochWork {
 
 /// State of a run's ranges; plain and copyable.
 struct RangeTracking {
-    /// The slot of a source: a state of the layout's source block.
+    /// The slot of a source: a state of each of the layout's source blocks.
     struct Slot {
         int source = -1;  ///< index into RangingLog::sources; -1: free
         bool station = false;
@@ -117,14 +117,18 @@ public:
     void make_scalars(InertialFilter<Frame>& filter, RangeTracking& tracking, const RangingLog& log,
                       std::span<const RangeSample> samples, const StateVector& dx, RangeListener* listener) const;
 
-    /// State of a source's slow error, assigned if it has none: -1 if its kind has no slow error or all slots are in use.
-    /// `sigma`: of that error, m.
+    /// Slot of a source's slow errors, assigned if it has none: -1 if its kind has no slow error or all slots are in use.
+    /// `sigma`: of that of its range, m.
     [[nodiscard]] int slot_of(InertialFilter<Frame>& filter, RangeTracking& tracking, int source, bool station, double sigma,
                               RangeListener* listener) const;
 
 private:
     [[nodiscard]] const sensor::RangeErrorModel& errors_of(bool station) const {
         return station ? settings_.errors.station : settings_.errors.satellite;
+    }
+    /// Range rates of this kind of source have slow errors of their own, which are states.
+    [[nodiscard]] bool has_slow_rate(bool station) const {
+        return model_.layout.source_rate >= 0 && errors_of(station).correlated_rate > 0.0;
     }
     /// The antenna of the estimate less dx; `way` -1: in the time direction of the ranges, for a filter running backward.
     [[nodiscard]] AntennaEstimate antenna(const InertialFilter<Frame>& filter, const StateVector& dx, double way) const;
