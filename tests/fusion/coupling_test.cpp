@@ -6,6 +6,7 @@
 #include "schuler/filter/update/correction_period.h"
 #include "schuler/filter/update/receiver_aiding.h"
 #include "schuler/filter/update/separate.h"
+#include "schuler/math/random.h"
 #include "schuler/sim/inverse_imu.h"
 
 #include <gtest/gtest.h>
@@ -125,15 +126,68 @@ TEST(Integrity, TestsOfOneFix) {
     EXPECT_EQ(failed_test(e, health, s), std::nullopt);
 }
 
+Examined at(double t, AidKind kind) { return {kind, Time::from_seconds(t), Eigen::Vector3d::Zero(), 1.0}; }
+
 TEST(Integrity, ReadmissionTakesAgreementForItsTime) {
     IntegritySettings s;
     ChannelHealth health;
     health.excluded = true;
-    for (int t = 0; t < 5; ++t) EXPECT_FALSE(readmits(health, nullptr, true, Time::from_seconds(t), s));
-    EXPECT_FALSE(readmits(health, nullptr, false, Time::from_seconds(5.0), s));
-    for (int t = 6; t < 16; ++t) EXPECT_FALSE(readmits(health, nullptr, true, Time::from_seconds(t), s));
-    EXPECT_TRUE(readmits(health, nullptr, true, Time::from_seconds(16.0), s));
+    for (int t = 0; t < 5; ++t) EXPECT_FALSE(readmits(health, nullptr, at(t, AidKind::GnssVelocity), true, s));
+    EXPECT_FALSE(readmits(health, nullptr, at(5.0, AidKind::GnssVelocity), false, s));
+    for (int t = 6; t < 16; ++t) EXPECT_FALSE(readmits(health, nullptr, at(t, AidKind::GnssVelocity), true, s));
+    EXPECT_TRUE(readmits(health, nullptr, at(16.0, AidKind::GnssVelocity), true, s));
     EXPECT_FALSE(health.excluded);
+}
+
+/// A velocity that is wrong by 0.2 m/s comes within the sigma of the unaided estimate after a while: not readmitted as long as it
+/// looks as it did, but ten seconds after it is right. An estimate that is much more uncertain than the fault decides nothing.
+TEST(Integrity, AFaultThatIsStillThereIsNotAgreement) {
+    IntegritySettings s;
+    math::Random random(3, "noise");
+    const auto seconds_until = [&](const Eigen::Vector3d& fault, double recovers, double sigma, const Eigen::Vector3d& error) {
+        ChannelHealth health;
+        health.excluded = true;
+        health.fault = -Eigen::Vector3d(0.14, 0.14, 0.0);
+        const Eigen::Vector3d state = Eigen::Vector3d::Constant(sigma * sigma), noise = Eigen::Vector3d::Constant(0.05 * 0.05);
+        for (int t = 0; t < 300; ++t) {
+            const Eigen::Vector3d wrong = t < recovers ? fault : Eigen::Vector3d(Eigen::Vector3d::Zero());
+            const Examined fix{
+                AidKind::GnssVelocity, Time::from_seconds(t), error - wrong - 0.05 * random.normal3(), 1.0, state, noise};
+            if (readmits(health, nullptr, fix, true, s)) return t;
+        }
+        return 300;
+    };
+    const Eigen::Vector3d fault(0.14, 0.14, 0.0), none = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3d& error : {none, Eigen::Vector3d(0.04, -0.03, 0.02), Eigen::Vector3d(-0.04, -0.03, 0.0)}) {
+        const int t = seconds_until(fault, 100.0, 0.05, error);
+        EXPECT_GE(t, 105) << error.transpose();
+        EXPECT_LE(t, 121) << error.transpose();
+    }
+    EXPECT_EQ(seconds_until(none, 0.0, 0.05, none), 10);
+    EXPECT_LE(seconds_until(fault, 1e9, 0.3, none), 60);
+}
+
+/// The estimate followed a receiver that drifted, and the receiver recovers: what fails then is the estimate.
+TEST(Integrity, TheEndOfAFaultIsNotAnother) {
+    ChannelHealth position, velocity;
+    const auto fix = [](AidKind kind, double t, double x, double y) {
+        return Examined{kind, Time::from_seconds(t), {x, y, 0.0}, 1.0};
+    };
+    const auto ends = [&](AidKind kind, double t, double x, double y) {
+        return ends_a_fault(kind == AidKind::GnssPosition ? position : velocity, velocity, fix(kind, t, x, y));
+    };
+    EXPECT_FALSE(ends(AidKind::GnssVelocity, 500.0, 0.07, 0.07)) << "there was no fault";
+    velocity.fault = {-0.07, -0.07, 0.0};  // the receiver was faster than the estimate
+    velocity.faulty = Time::from_seconds(400.0);
+    EXPECT_TRUE(ends(AidKind::GnssVelocity, 500.0, 0.06, 0.05));
+    EXPECT_TRUE(ends(AidKind::GnssPosition, 500.0, 6.0, 7.0));
+    EXPECT_FALSE(ends(AidKind::GnssVelocity, 500.0, -0.06, -0.05)) << "the same again";
+    EXPECT_FALSE(ends(AidKind::GnssVelocity, 500.0, 0.07, -0.07)) << "across";
+    EXPECT_FALSE(ends(AidKind::GnssVelocity, 500.0, 0.2, 0.2)) << "larger";
+    EXPECT_FALSE(ends(AidKind::GnssPosition, 500.0, 15.0, 15.0)) << "larger than 0.1 m/s in 100 s";
+    EXPECT_FALSE(ends(AidKind::GnssVelocity, 1100.0, 0.06, 0.05)) << "long ago";
+    velocity.returned = true;
+    EXPECT_FALSE(ends(AidKind::GnssVelocity, 500.0, 0.06, 0.05)) << "twice";
 }
 
 // A receiver that drifts by 0.3 m/s: its positions agree for long after its velocities no longer do.
@@ -146,29 +200,29 @@ TEST(Integrity, APositionWaitsForTheVelocityThatWasExcludedWithIt) {
     };
     exclude();
     for (int t = 0; t < 60; ++t) {
-        EXPECT_FALSE(readmits(position, &velocity, true, Time::from_seconds(t), s)) << t;
-        EXPECT_FALSE(readmits(velocity, nullptr, false, Time::from_seconds(t), s)) << t;
+        EXPECT_FALSE(readmits(position, &velocity, at(t, AidKind::GnssPosition), true, s)) << t;
+        EXPECT_FALSE(readmits(velocity, nullptr, at(t, AidKind::GnssVelocity), false, s)) << t;
     }
     int t = 60;
-    while (t < 90 && !readmits(position, &velocity, true, Time::from_seconds(t), s)) {
-        if (velocity.excluded) (void)readmits(velocity, nullptr, true, Time::from_seconds(t), s);
+    while (t < 90 && !readmits(position, &velocity, at(t, AidKind::GnssPosition), true, s)) {
+        if (velocity.excluded) (void)readmits(velocity, nullptr, at(t, AidKind::GnssVelocity), true, s);
         ++t;
     }
-    EXPECT_EQ(t, 70);
+    EXPECT_EQ(t, 71);
 
     // a velocity does not wait for a position that is wrong alone
     exclude();
     for (t = 0; t < 10; ++t) {
-        EXPECT_FALSE(readmits(position, &velocity, false, Time::from_seconds(t), s)) << t;
-        EXPECT_FALSE(readmits(velocity, nullptr, true, Time::from_seconds(t), s)) << t;
+        EXPECT_FALSE(readmits(position, &velocity, at(t, AidKind::GnssPosition), false, s)) << t;
+        EXPECT_FALSE(readmits(velocity, nullptr, at(t, AidKind::GnssVelocity), true, s)) << t;
     }
-    EXPECT_TRUE(readmits(velocity, nullptr, true, Time::from_seconds(10.0), s));
+    EXPECT_TRUE(readmits(velocity, nullptr, at(10.0, AidKind::GnssVelocity), true, s));
 
     // a receiver that has no velocities any more is not waited for
     exclude();
-    EXPECT_FALSE(readmits(velocity, nullptr, false, Time::from_seconds(0.0), s));
+    EXPECT_FALSE(readmits(velocity, nullptr, at(0.0, AidKind::GnssVelocity), false, s));
     t = 0;
-    while (t < 40 && !readmits(position, &velocity, true, Time::from_seconds(t), s)) ++t;
+    while (t < 40 && !readmits(position, &velocity, at(t, AidKind::GnssPosition), true, s)) ++t;
     EXPECT_EQ(t, 30);
 }
 

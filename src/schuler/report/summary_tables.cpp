@@ -16,6 +16,7 @@ std::string alert_text(const fusion::Alert& a) {
     const std::string size = fmt::format("{:.3g} {}", a.size, a.kind == fusion::AidKind::GnssVelocity ? "m/s" : "m");
     switch (a.test) {
         case IntegrityTest::Readmitted: return "used again";
+        case IntegrityTest::Returned: return "fault has ended";
         case IntegrityTest::Jump:
             return fmt::format("the receiver jumps by {}, not felt by the IMU: sigmas cover both levels", size);
         case IntegrityTest::JumpBack: return fmt::format("the receiver is back from a jump of {}", size);

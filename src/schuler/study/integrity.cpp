@@ -64,7 +64,7 @@ double largest_error(const solution::ResultBundle& b, double from) {
 std::vector<Finding> findings_of(const solution::ResultBundle& b) {
     std::vector<Finding> out;
     for (const fusion::Alert& a : b.result.alerts)
-        if (a.test != fusion::IntegrityTest::Readmitted) out.push_back({a.time, -1});
+        if (a.test != fusion::IntegrityTest::Readmitted && a.test != fusion::IntegrityTest::Returned) out.push_back({a.time, -1});
     for (const fusion::ProtectionRow& row : b.result.forward.protection)
         if (row.alarm >= 0) out.push_back({row.time, row.alarm});
     std::map<int, bool> left_out;  // whether a source was excluded at its last epoch

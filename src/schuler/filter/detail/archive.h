@@ -184,7 +184,7 @@ SCHULER_ARCHIVED(CarriedFix, measurement, corrected, rows, left, stamp, next, ev
 SCHULER_ARCHIVED(GateState, run, since, last, innovation, rate)
 SCHULER_ARCHIVED(Vibration, gyro_psd, accel_psd, samples, rate, force, rate_step, force_step)
 SCHULER_ARCHIVED(WheelEvidence, verdict, n, turned, mean_side, mean_down, m2_side, m2_down)
-SCHULER_ARCHIVED(ChannelHealth, excluded, together, used, agrees, seen, failed_run, slow_run)
+SCHULER_ARCHIVED(ChannelHealth, excluded, together, used, agrees, seen, failed_run, slow_run, fault, faulty, returned, sum, count)
 SCHULER_ARCHIVED_IN_FRAME(Shadow, filter, since, alive)
 SCHULER_ARCHIVED(RangeTracking::Slot, source, station, last, doubted)
 SCHULER_ARCHIVED(FaultHypothesis, source, growing, since, response, information, evidence)

@@ -17,8 +17,10 @@ namespace schuler::filter {
 struct Examined {
     AidKind kind;  ///< GnssPosition or GnssVelocity
     Time time;
-    Eigen::Vector3d innovation;  ///< m or m/s
-    double trace = 0.0;          ///< of the innovation covariance, state and measurement together
+    Eigen::Vector3d innovation;                          ///< estimate minus measured, m or m/s
+    double trace = 0.0;                                  ///< of the innovation covariance, state and measurement together
+    Eigen::Vector3d of_state = Eigen::Vector3d::Zero();  ///< its diagonal: part of the estimate,
+    Eigen::Vector3d of_noise = Eigen::Vector3d::Zero();  ///< ... and of the measurement; both zero: unused component
 };
 
 /// History of one sub-vector; plain and copyable.
@@ -30,6 +32,12 @@ struct ChannelHealth {
     std::optional<Time> seen;    ///< the last excluded one
     int failed_run = 0;          ///< consecutive fixes that failed a test or the gate
     int slow_run = 0;            ///< consecutive slow-ramp tests exceeded
+    /// Of a velocity found faulty: its innovation then, which remains as long as the fault does, and the time; kept when readmitted.
+    Eigen::Vector3d fault = Eigen::Vector3d::Zero();
+    std::optional<Time> faulty{};
+    bool returned = false;                          ///< ends_a_fault() was true once
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();  ///< of the innovations since `agrees`
+    int count = 0;                                  ///< ... their number
 };
 
 /// Tolerance check [PaperA:3.4, first approach] against the navigation extrapolated from the last used fix, with the vehicle's capability:
@@ -44,11 +52,18 @@ struct ChannelHealth {
 [[nodiscard]] std::optional<IntegrityTest> failed_test(const Examined& e, const ChannelHealth& health,
                                                        const IntegritySettings& settings);
 
-/// Monitors an excluded channel: true once its fixes have agreed with the estimate for long enough (`agrees`: this one does). A position
-/// that was excluded together with its velocity (null otherwise) waits until that agrees too, as long as there are velocities: one that
+/// Monitors an excluded channel: true once its fixes have agreed with the estimate for long enough (`agrees`: this one does), and their
+/// mean agrees too. The mean of a velocity must in addition not look as it did when it was excluded: the unaided estimate becomes so
+/// uncertain that a slow fault is within its sigma, but then the fault is what remains and its absence what would be new. A position
+/// that was excluded together with its velocity (null otherwise) waits until that is readmitted, as long as there are velocities: one that
 /// drifts slowly would otherwise be readmitted while the velocity contradicts the estimate, and take it along.
-[[nodiscard]] bool readmits(ChannelHealth& health, const ChannelHealth* velocity, bool agrees, Time time,
+[[nodiscard]] bool readmits(ChannelHealth& health, const ChannelHealth* velocity, const Examined& fix, bool agrees,
                             const IntegritySettings& settings);
+
+/// Whether fixes that fail now end a fault instead of beginning one: the velocity was found faulty in the last minutes, and what
+/// disagrees is opposite to that and no larger, of a position no larger than what the velocity added up to. The estimate, or that
+/// of the slow error of the fixes, has followed the receiver, which has now recovered.
+[[nodiscard]] bool ends_a_fault(const ChannelHealth& health, const ChannelHealth& velocity, const Examined& fix);
 
 /// A copy of the filter that continues without the receiver and is restarted when `window` seconds old. Of two such copies, one
 /// is always at least half a window old. An error growing too slowly to be detected in one innovation shows against it; it then

@@ -154,7 +154,7 @@ AidStatus Pass<Frame>::examine(FilterRun<Frame>& run, Channel channel, const Aid
     if (!failed && record.nis > data_.gates.chi_square[record.dof]) failed = IntegrityTest::Innovation;
     if (health.excluded) {
         const ChannelHealth* velocity = channel.kind == AidKind::GnssPosition ? &run.health[1] : nullptr;
-        if (!readmits(health, velocity, !failed, record.stamp, s)) return AidStatus::Excluded;
+        if (!readmits(health, velocity, examined, !failed, s)) return AidStatus::Excluded;
         observer.alert({record.stamp, channel.kind, IntegrityTest::Readmitted});
         return AidStatus::Accepted;
     }
@@ -163,10 +163,29 @@ AidStatus Pass<Frame>::examine(FilterRun<Frame>& run, Channel channel, const Aid
         health.used = record.time;
         return AidStatus::Accepted;
     }
-    if (++health.failed_run >= s.slow_count) {
+    if (++health.failed_run >= s.slow_count && ends_a_fault(health, run.health[1], examined)) {
+        observer.alert({record.stamp, channel.kind, IntegrityTest::Returned});
+        Opening opening;
+        const bool position = channel.kind == AidKind::GnssPosition;
+        (position ? opening.position : opening.velocity) = examined.innovation;
+        opening.span = (run.filter.time() - *run.health[1].faulty).seconds();
+        open(run, opening);
+        if (const int slow = position ? model_.layout.gnss_position : model_.layout.gnss_velocity; slow >= 0)
+            run.filter.P.diagonal().template segment<3>(slow).array() += examined.innovation.squaredNorm();
+        health.failed_run = 0;
+        health.returned = true;
+        health.used = record.time;
+        for (Shadow<Frame>& shadow : run.shadows) shadow.alive = false;
+        return AidStatus::Accepted;
+    }
+    if (health.failed_run >= s.slow_count) {
         observer.alert({record.stamp, channel.kind, *failed});
         health = {};
         health.excluded = true;
+        if (channel.kind == AidKind::GnssVelocity) {
+            health.fault = examined.innovation;
+            health.faulty = record.time;
+        }
         for (Shadow<Frame>& shadow : run.shadows) shadow.alive = false;
         return AidStatus::Excluded;
     }
@@ -183,7 +202,7 @@ void Pass<Frame>::look_back(FilterRun<Frame>& run, const Event& event, Observer&
     if (oldest == nullptr || (run.filter.time() - oldest->since).seconds() < 0.5 * settings_.integrity.window) return;
     estim::Transition phi;
     (void)oldest->filter.propagate_covariance(model_, phi);
-    const Measurement m = oldest->filter.to_own(model_, measurement_of(oldest->filter, event));
+    const Measurement local = measurement_of(oldest->filter, event), m = oldest->filter.to_own(model_, local);
     if (m.dof == 0) return;
     const double nis = m.innovation.dot(oldest->filter.innovation_covariance(m).inverse() * m.innovation);
     health.slow_run = nis > data_.slow_limits[static_cast<std::size_t>(m.dof)] ? health.slow_run + 1 : 0;
@@ -196,6 +215,10 @@ void Pass<Frame>::look_back(FilterRun<Frame>& run, const Event& event, Observer&
         h = {};
         h.excluded = true;
         h.together = both;
+    }
+    if (event.kind == AidKind::GnssVelocity) {
+        health.fault = m.innovation;
+        health.faulty = run.filter.time();
     }
     for (Shadow<Frame>& s : run.shadows) s.alive = false;
 }

@@ -131,7 +131,9 @@ AidRecord Pass<Frame>::try_update(FilterRun<Frame>& run, Channel channel, const 
         std::sqrt(run.filter.P.diagonal().template segment<3>(kind == AidKind::GnssVelocity ? 6 : 3).maxCoeff()) *
         (kind == AidKind::GnssVelocity ? 10.0 : 1.0);
     if (settings_.integrity.use && is_part_of_fix(kind)) {
-        const Examined examined{kind, record.time, m.innovation, record.sigma.squaredNorm()};
+        const Eigen::Vector3d of_state = record.sigma_state.cwiseAbs2();
+        const Examined examined{
+            kind, record.time, m.innovation, record.sigma.squaredNorm(), of_state, record.sigma.cwiseAbs2() - of_state};
         record.status = examine(run, channel, record, examined, observer);
         if (record.status == AidStatus::Accepted && !use(run, channel, local, m, stamp, observer))
             record.status = AidStatus::Withheld;
