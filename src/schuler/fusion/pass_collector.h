@@ -79,7 +79,11 @@ public:
     void ranges(const FilterRun<Frame>& run, const RangeEpoch& epoch) override {
         const RangeEpochWork& work = run.ranges.work;
         ++result_.counters.gnss_epochs;
-        ++(work.excluded == 0 ? result_.counters.gnss_accepted : result_.counters.gnss_rejected);
+        // a faulty satellite is no faulty epoch
+        const auto out = static_cast<std::size_t>(work.excluded);
+        ++(work.withheld              ? result_.counters.gnss_withheld
+           : 2 * out < work.count + 1 ? result_.counters.gnss_accepted
+                                      : result_.counters.gnss_rejected);
         for (const RangeScalar& s : work.all()) result_.aids.push_back(record_of(s, run.filter.time(), epoch.time));
         if (settings_.ranging.protection.use) protect(run, epoch);
         if (!options_.after_ranges) return;

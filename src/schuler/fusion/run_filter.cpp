@@ -20,6 +20,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <utility>
 
@@ -169,6 +170,42 @@ void tell_faults(const Result& result, const Recording& recording, WarningLog& w
     }
 }
 
+/// The recording without the ranges of sources that a filter with the fault watch finds faulty, empty if there are none: the smoother
+/// cannot take a fault out of the past.
+std::optional<Recording> without_faulty_ranges(const RunData& data, const Settings& given, const Start& start,
+                                               const PassOptions& options, WarningLog& warnings) {
+    const Recording& recording = *data.recording;
+    Settings settings = given;
+    settings.smooth = settings.backward = false;
+    settings.ranging.protection.use = true;
+    PassOptions forward;
+    forward.last_increment = options.last_increment;
+    const Result watched = settings.coupling == Coupling::Intermediate ? run_intermediate_pass(data, settings, start, forward)
+                                                                       : run_pass(data, settings, start, forward);
+    std::map<int, Time> found;
+    for (const ProtectionRow& row : watched.forward.protection)
+        if (row.alarm >= 0) found.try_emplace(row.alarm, row.time);
+    if (found.empty()) return std::nullopt;
+    for (const auto& [source, when] : found) {
+        const std::string& name = recording.ranges.sources[static_cast<std::size_t>(source)].name;
+        warnings.add(
+            "ranges.fault." + name,
+            fmt::format("the ranges of {} contradict the others and the inertial unit, found at {:.0f} s: left out of the "
+                        "whole run, because the smoother cannot take a fault out of the past",
+                        name, (when - origin_of(recording)).seconds()));
+    }
+    Recording out = recording;
+    out.ranges.samples.clear();
+    for (RangeEpoch& e : out.ranges.epochs) {
+        const auto samples = recording.ranges.of(e);
+        e.first = out.ranges.samples.size();
+        std::ranges::copy_if(samples, std::back_inserter(out.ranges.samples),
+                             [&](const RangeSample& m) { return !found.contains(m.source); });
+        e.count = out.ranges.samples.size() - e.first;
+    }
+    return out;
+}
+
 /// One leg, or a log without pauses.
 Result run_leg(const Recording& recording, const Settings& given, WarningLog& warnings, const Progress& progress,
                const RowSink& rows, const ReceiverInLoop& receiver) {
@@ -249,6 +286,10 @@ Result run_leg(const Recording& recording, const Settings& given, WarningLog& wa
         data.recording = &live;
         options.receiver = [&](const ReceiverAiding& aiding, Time until) { receiver(aiding, until, live.ranges); };
     }
+    std::optional<Recording> cleaned;
+    if (settings.smooth && settings.ranging.protection.before_smoothing && uses_ranges(settings.coupling) && !receiver)
+        cleaned = without_faulty_ranges(data, settings, start, options, warnings);
+    if (cleaned) data.recording = &*cleaned;
     Result result = settings.coupling == Coupling::Intermediate ? run_intermediate_pass(data, settings, start, options)
                                                                 : run_pass(data, settings, start, options);
     if (settings.backward) result.backward = run_backward(data, settings, start, result.forward);

@@ -83,6 +83,11 @@ void read_ranges(const fs::path& folder, LoadedDataset& out, WarningLog& warning
         for (RangeEpoch& e : log.epochs) e.time = e.time + shift;
     }
     if (out.recording.gnss.empty() && c.gnss.file.empty()) take_fixes_from_ranges(out);
+    // On a real log nobody knows that every range is healthy.
+    filter::ProtectionSettings& monitor = c.filter.ranging.protection;
+    if (out.given.contains("filter.protection.use") || log.empty() || !uses_ranges(c.filter.coupling)) return;
+    if (!c.filter.smooth) monitor.use = true;
+    else if (!out.given.contains("filter.protection.before_smoothing")) monitor.before_smoothing = true;
 }
 
 /// Converts heights above mean sea level to ellipsoidal ones if the undulation is known.

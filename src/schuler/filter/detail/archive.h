@@ -192,8 +192,8 @@ SCHULER_ARCHIVED(WithoutSource, source, since, offset, excess, score, weight)
 SCHULER_ARCHIVED(LeftOutSource, source, since, ranges, rates, range, rate)
 SCHULER_ARCHIVED(FaultWatch, on, all, growing, without, left_out)
 inline void archive(Archive& a, RangeEpochWork& work) {  // the rest is recomputed at each epoch
-    auto& [scalars, count, excluded, clock_jump, alarm, disagreeing, disagreeing_since] = work;
-    a(excluded, clock_jump, alarm, disagreeing, disagreeing_since);
+    auto& [scalars, count, excluded, withheld, clock_jump, alarm, disagreeing, disagreeing_since] = work;
+    a(excluded, withheld, clock_jump, alarm, disagreeing, disagreeing_since);
     if (a.reads()) count = 0;
 }
 SCHULER_ARCHIVED(RangeTracking::Phase, source, last, end, begin, tx_end, tx_begin)

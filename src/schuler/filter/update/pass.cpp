@@ -212,7 +212,8 @@ void Pass<Frame>::process(FilterRun<Frame>& run, const RangeEpoch& epoch, Observ
     propagate_covariance(run, observer);
     const RangingLog& log = data_.recording->ranges;
     RangeListener* listener = observer.records() ? &observer : nullptr;
-    if (is_withheld(settings_.outages, (epoch.time - data_.origin).seconds())) {  // satellites are withheld, stations are not
+    run.ranges.work.withheld = is_withheld(settings_.outages, (epoch.time - data_.origin).seconds());
+    if (run.ranges.work.withheld) {  // satellites are withheld, stations are not
         std::array<RangeSample, RangeEpochWork::most> stations;
         std::size_t n = 0;
         for (const RangeSample& s : log.of(epoch))

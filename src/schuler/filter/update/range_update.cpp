@@ -314,6 +314,11 @@ int RangeUpdate<Frame>::doubt_sources(InertialFilter<Frame>& f, RangeTracking& t
         RangeTracking::Slot& slot = tracking.slots[static_cast<std::size_t>(s.slot - model_.layout.source)];
         if (!slot.doubted || (f.time() - *slot.doubted).seconds() < test_.recovery_time) continue;
         f.P(s.slot, s.slot) += s.innovation * s.innovation;
+        // What is learnt now is a fault, which does not decay as the atmosphere's errors do: 300 m that are expected to decay in ten
+        // minutes would be taken for a motion of half a metre a second.
+        StateProcess constant = f.slot_process[static_cast<std::size_t>(s.slot - model_.layout.source)];
+        constant.decay = 0.0;
+        f.set_slot_process(static_cast<std::size_t>(s.slot - model_.layout.source), constant);
         slot.doubted.reset();
     }
     return -1;
@@ -349,8 +354,9 @@ void RangeUpdate<Frame>::leave_out(InertialFilter<Frame>& f, RangeTracking& trac
         RangeTracking::Slot& slot = tracking.slots[k];
         if (slot.source != source) continue;
         slot.doubted.reset();
-        const StateProcess& process = f.slot_process[k];
-        renew(f, tracking, model_.layout.source + static_cast<int>(k), process.psd / (2.0 * process.decay), listener);
+        const double time = errors_of(slot.station).correlation_time, variance = 0.5 * f.slot_process[k].psd * time;
+        renew(f, tracking, model_.layout.source + static_cast<int>(k), variance, listener);
+        f.set_slot_process(k, StateProcess::markov(std::sqrt(variance), time));
         if (has_slow_rate(slot.station)) {
             const double sigma = errors_of(slot.station).correlated_rate;
             renew(f, tracking, model_.layout.source_rate + static_cast<int>(k), sigma * sigma, listener);

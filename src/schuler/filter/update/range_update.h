@@ -44,7 +44,8 @@ struct RangeEpochWork {
     static constexpr std::size_t most = 64;  ///< scalars of an epoch; further sources are ignored
     std::array<RangeScalar, most> scalars;
     std::size_t count = 0;
-    int excluded = 0;  ///< scalars
+    int excluded = 0;       ///< scalars
+    bool withheld = false;  ///< the satellites', by an outage
     bool clock_jump = false;
     int alarm = -1;       ///< source found faulty by the fault watch at this epoch
     int disagreeing = 0;  ///< consecutive epochs in which most ranges were excluded
