@@ -2,6 +2,7 @@
 import json
 import math
 import os
+import resource
 import shutil
 import signal
 import subprocess
@@ -65,6 +66,14 @@ def killed_when_some_are_done(command, folder, checkpoint):
     return alive
 
 
+def with_little_room(command, folder, most):
+    """Runs it where no file can be larger than `most` bytes: what a full disk does, without one."""
+    def limit():
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)  # the write fails instead
+        resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=200, preexec_fn=limit)
+
+
 def resume(program, source):
     folder = Path(program.folder)
     (folder / "flight.toml").write_text(FLIGHT + VARY)
@@ -81,6 +90,19 @@ def resume(program, source):
     # one run again, alone
     program("montecarlo", "flight.toml", "--first", 17, "-n", 1, "-o", "one", "--quiet")
     check((folder / "one/runs.csv").read_text().splitlines()[1] == (folder / "whole/runs.csv").read_text().splitlines()[18], "run 17 alone is run 17")
+    # a disk that is full: a stop that can be gone on with
+    full = [program.path, "montecarlo", "flight.toml", "-n", str(runs), "-o", "full", "--quiet"]
+    done = with_little_room(full, folder, 60_000)
+    check(done.returncode == 2, f"a full disk: exit status {done.returncode}")
+    check("cannot be written" in done.stderr and "--resume goes on" in done.stderr, done.stderr)
+    check(not (folder / "full/summary.json").exists(), "no summary of half a campaign")
+    program("montecarlo", "flight.toml", "-n", runs, "-o", "full", "--resume", "--quiet")
+    same_results(folder, "whole", "full")
+    # and one where only the files of the results find no room
+    program("simulate", "flight.toml", "-o", "log", "--quiet")
+    done = with_little_room([program.path, "process", "log", "-o", "narrow", "--quiet"], folder, 60_000)
+    check(done.returncode == 2 and "cannot be written" in done.stderr, f"exit status {done.returncode}: {done.stderr}")
+    check(not list((folder / "narrow").glob("*.csv")), "half a solution is left")
     for n in (0, -1, "1e30", "x"):
         program.fails("montecarlo", "flight.toml", "-n", n, "-o", "none", parts=["--runs"])
     (folder / "file").write_text("")

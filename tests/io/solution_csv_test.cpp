@@ -174,6 +174,13 @@ TEST_F(Solution, AppearsOnlyWhenCommitted) {
     test::expect_parts(test::message_of([&] { AtomicFile file(folder()); }), {"cannot be written"});
     write_file("/dev/null", "x");  // written directly, not replaced
     EXPECT_TRUE(std::filesystem::is_character_file(std::filesystem::path("/dev/null")));
+    try {
+        write_file("/dev/full", "x");
+        ADD_FAILURE() << "written to a full disk";
+    } catch (const Error& e) {  // no fault of the computation: exit status 2
+        EXPECT_EQ(e.kind(), ErrorKind::Input);
+        test::expect_parts(e.what(), {"/dev/full", "cannot be written", "make room"});
+    }
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 namespace schuler::analysis {
 
@@ -44,16 +45,45 @@ double effective_number(std::span<const double> all) {
     return std::clamp(n / std::max(inflation, 1e-3), 1.0, n);
 }
 
+/// Sums of x(i) x(i + lag). Some successive lags are summed at once, because the terms of one have to wait for each other; each is added
+/// in the order of i, so that its sum does not depend on the others.
+class LaggedSums {
+public:
+    explicit LaggedSums(std::span<const double> x) : x_(x) {}
+    [[nodiscard]] double of(std::size_t lag) {
+        if (lag < first_ || lag >= first_ + together || sums_.empty()) {
+            first_ = lag;
+            fill();
+        }
+        return sums_[lag - first_];
+    }
+
+private:
+    static constexpr std::size_t together = 16;
+    void fill() {
+        sums_.assign(together, 0.0);
+        std::array<double, together> sum{};
+        const std::size_t n = x_.size(), most = first_ + together - 1, whole = n > most ? n - most : 0;
+        const double *x = x_.data(), *later = x + first_;
+        for (std::size_t i = 0; i < whole; ++i)
+            for (std::size_t j = 0; j < together; ++j) sum[j] += x[i] * later[i + j];
+        for (std::size_t j = 0; j < together; ++j) {
+            for (std::size_t i = whole; i + first_ + j < n; ++i) sum[j] += x[i] * later[i + j];
+            sums_[j] = sum[j];
+        }
+    }
+    std::span<const double> x_;
+    std::size_t first_ = 0;
+    std::vector<double> sums_;
+};
+
 /// Sum over lags of both signs of the squared autocorrelation of a zero-mean series, each lag weighted by its fraction of pairs;
 /// the window is the first that is `width` times as long as the sum over it [Sokal1997:3].
 double squared_correlation_time(std::span<const double> x) {
     constexpr double width = 5.0;
     const auto n = static_cast<double>(x.size());
-    const auto covariance = [&](std::size_t lag) {
-        double sum = 0.0;
-        for (std::size_t i = 0; i + lag < x.size(); ++i) sum += x[i] * x[i + lag];
-        return sum / (n - static_cast<double>(lag));
-    };
+    LaggedSums sums(x);
+    const auto covariance = [&](std::size_t lag) { return sums.of(lag) / (n - static_cast<double>(lag)); };
     const double variance = covariance(0);
     double weighted = n;
     for (std::size_t lag = 1; lag < x.size() && static_cast<double>(lag) < width * weighted / n; ++lag) {

@@ -22,6 +22,12 @@ Error cannot_write(const std::filesystem::path& path, int error_number) {
     return input_error(fmt::format("cannot be written: {}", system_message(error_number)), place_in(path.string()), hint);
 }
 
+/// Nothing is wrong with the computation: the same command goes through where there is room.
+Error full(const std::filesystem::path& path, int error_number) {
+    return input_error(fmt::format("cannot be written: {}", system_message(error_number)), place_in(path.string()),
+                       "make room on the disk");
+}
+
 }  // namespace
 
 std::filesystem::path create_beside(const std::filesystem::path& path) {
@@ -67,8 +73,7 @@ void AtomicFile::write(std::string_view bytes) {
         const ssize_t n = ::write(fd_, bytes.data(), bytes.size());
         if (n < 0) {
             if (errno == EINTR) continue;
-            throw computation_error(fmt::format("{}: cannot be written: {}", path_.string(), system_message(errno)),
-                                    "make room on the disk");
+            throw full(path_, errno);
         }
         bytes.remove_prefix(static_cast<std::size_t>(n));
     }
@@ -77,13 +82,11 @@ void AtomicFile::write(std::string_view bytes) {
 void AtomicFile::commit() {
     const int closed = fd_ >= 0 ? close(fd_) : 0;
     fd_ = -1;
-    if (closed != 0)
-        throw computation_error(fmt::format("{}: cannot be written: {}", path_.string(), system_message(errno)),
-                                "make room on the disk");
+    if (closed != 0) throw full(path_, errno);
     if (temporary_.empty()) return;
     if (rename(temporary_.c_str(), path_.c_str()) != 0) {
-        throw computation_error(fmt::format("{}: cannot be renamed to its name: {}", path_.string(), system_message(errno)),
-                                "choose another place with -o");
+        throw input_error(fmt::format("cannot be renamed to its name: {}", system_message(errno)), place_in(path_.string()),
+                          "choose another place with -o");
     }
     temporary_.clear();
     note_own_file(path_);

@@ -22,7 +22,7 @@ public:
     AtomicFile(const AtomicFile&) = delete;
     AtomicFile& operator=(const AtomicFile&) = delete;
 
-    /// Throws Error(Computation) if the disk is full or fails.
+    /// Throws Error(Input) if the disk is full or fails.
     void write(std::string_view bytes);
     /// Closes the file and renames it. Throws as write() does.
     void commit();

@@ -300,10 +300,11 @@ bool is_relevant(const std::string& key, const settings::Config& c, bool gravime
 
 }  // namespace
 
-SimulatedDataset simulate_dataset(const settings::ScenarioConfig& scenario, const settings::ScenarioConfig* assumed) {
+SimulatedDataset simulate_dataset(const settings::ScenarioConfig& scenario, const settings::ScenarioConfig* assumed,
+                                  const sim::ExactFlight* flown) {
     const settings::ScenarioConfig& assumed_scenario = assumed != nullptr ? *assumed : scenario;
     SimulatedDataset out;
-    out.truth = sim::simulate(scenario.sim);
+    out.truth = sim::simulate(scenario.sim, flown);
     out.recording = std::move(out.truth.recording);
     if (auto ranging = simulate_ranging(scenario)) {
         out.recording.ranges = std::move(ranging->ranges.log);

@@ -5,6 +5,7 @@
 #include "schuler/core/samples.h"
 #include "schuler/io/text/csv/csv_ranges.h"
 #include "schuler/settings/scenario/scenario.h"
+#include "schuler/sim/exact_flight.h"
 #include "schuler/sim/simulate.h"
 
 #include <cstdint>
@@ -43,9 +44,10 @@ struct SimulatedDataset {
 };
 
 /// Simulates and rounds every number to the digits of the files, so that processing the files gives identical bits. `assumed`:
-/// the scenario assumed by the filter, if different (the filter then assumes errors that are not simulated).
+/// the scenario assumed by the filter, if different (the filter then assumes errors that are not simulated). `flown`: see sim::simulate.
 [[nodiscard]] SimulatedDataset simulate_dataset(const settings::ScenarioConfig& scenario,
-                                                const settings::ScenarioConfig* assumed = nullptr);
+                                                const settings::ScenarioConfig* assumed = nullptr,
+                                                const sim::ExactFlight* flown = nullptr);
 
 /// Writes imu.csv, gnss.csv, baro.csv, reference.csv and dataset.toml. @throws Error(Input) if the folder cannot be written.
 void write_dataset(const SimulatedDataset& data, const std::filesystem::path& folder);

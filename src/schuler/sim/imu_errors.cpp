@@ -7,12 +7,20 @@
 namespace schuler::sim {
 
 GaussMarkov::GaussMarkov(const Eigen::Vector3d& sigma, double time, math::Random random)
-    : sigma_(sigma), time_(time), random_(std::move(random)), value_(sigma.cwiseProduct(random_.normal3())) {}
+    : sigma_(sigma),
+      time_(time),
+      random_(std::move(random)),
+      value_(sigma.cwiseProduct(random_.normal3())),
+      none_(sigma.isZero(0.0)) {}
 
 void GaussMarkov::relax(double times) {
-    const double kept = std::exp(-times);
-    const double fresh = std::sqrt(-std::expm1(-2.0 * times));
-    value_ = kept * value_ + fresh * sigma_.cwiseProduct(random_.normal3());
+    if (none_) return;     // its random numbers are no one else's
+    if (times != step_) {  // the same at every sample of an instrument
+        step_ = times;
+        kept_ = std::exp(-times);
+        fresh_ = std::sqrt(-std::expm1(-2.0 * times));
+    }
+    value_ = kept_ * value_ + fresh_ * sigma_.cwiseProduct(random_.normal3());
 }
 
 Flicker::Flicker(double instability, std::uint64_t seed, const std::string& channel) {

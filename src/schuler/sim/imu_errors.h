@@ -23,13 +23,19 @@ public:
     /// Advances by a number of correlation times, for a process whose correlation does not depend on time alone.
     void relax(double times);
     /// Adds a disturbance.
-    void disturb(const Eigen::Vector3d& by) { value_ += by; }
+    void disturb(const Eigen::Vector3d& by) {
+        value_ += by;
+        none_ = false;
+    }
 
 private:
     Eigen::Vector3d sigma_;
     double time_;
     math::Random random_;
     Eigen::Vector3d value_;
+    bool none_;           ///< zero sigma, and nothing has disturbed it
+    double step_ = -1.0;  ///< correlation times of the last step, and its factors
+    double kept_ = 1.0, fresh_ = 0.0;
 };
 
 /// 1/f noise in three axes between 1e-5 and 1 Hz: Gauss-Markov processes of equal sigma with correlation times a factor of four

@@ -104,7 +104,8 @@ public:
 
 private:
     static Jet<3> coordinate(double start, const Oscillation& o, const Jet<3>& time) {
-        return start + o.rate * time + o.amplitude * sincos(2.0 * std::numbers::pi / o.period * time + o.phase).sin;
+        const Jet<3> mean = start + o.rate * time;
+        return o.amplitude == 0.0 ? mean : mean + o.amplitude * sincos(2.0 * std::numbers::pi / o.period * time + o.phase).sin;
     }
     PaperAPath s_;
     earth::Ellipsoid ellipsoid_;

@@ -3,6 +3,7 @@
 #include "schuler/core/error.h"
 #include "schuler/math/rotation.h"
 #include "schuler/sim/detail/require.h"
+#include "schuler/sim/exact_flight.h"
 #include "schuler/sim/faults.h"
 #include "schuler/sim/imu_errors.h"
 #include "schuler/sim/inverse_imu.h"
@@ -87,8 +88,11 @@ ReferenceSample reference_at(const Kinematics& k, Time time) {
 
 }  // namespace
 
-SimulatedData simulate(const Scenario& s) {
+SimulatedData simulate(const Scenario& s) { return simulate(s, nullptr); }
+
+SimulatedData simulate(const Scenario& s, const ExactFlight* flown) {
     check(s);
+    if (flown != nullptr && !flown->is_of(s)) flown = nullptr;
     const std::unique_ptr<const TruthPath> path = make_path(s.path, s.earth.ellipsoid);
     SensorTriad gyro = gyro_triad(s.imu.errors, s.seed), accel = accel_triad(s.imu.errors, s.seed);
     const Eigen::Matrix3d C_sb = math::dcm_from_rpy(s.imu.mounting).transpose();
@@ -97,8 +101,7 @@ SimulatedData simulate(const Scenario& s) {
     out.imu_kind = s.imu.kind;
     out.gyro_gain = gyro.gain();
     out.accel_gain = accel.gain();
-    const auto samples = static_cast<std::size_t>(std::floor(s.duration * s.imu.rate + 1e-6));
-    const auto references = static_cast<std::size_t>(std::floor(s.duration * s.reference_rate + 1e-6)) + 1;
+    const std::size_t samples = imu_samples(s), references = reference_epochs(s);
     const bool disturbed = s.disturbed();
     const AnomalyTrack anomaly = disturbed ? AnomalyTrack(s.anomaly, s.anomaly_field, *path, s.duration, s.seed)
                                            : AnomalyTrack({}, 0.0, s.duration, s.seed);
@@ -112,8 +115,9 @@ SimulatedData simulate(const Scenario& s) {
             const double next = static_cast<double>(out.recording.reference.size()) / s.reference_rate;
             if (next > t + 1e-9 || out.recording.reference.size() == references) return;
             const Time time = s.origin + Duration::from_seconds(next);
-            out.recording.reference.push_back(reference_at(path->at(next), time));
-            const double gone = disturbed ? distance - (t - next) * path->at(next).v_eb_n.norm() : 0.0;
+            const Kinematics motion = flown != nullptr ? flown->reference(out.recording.reference.size()) : path->at(next);
+            out.recording.reference.push_back(reference_at(motion, time));
+            const double gone = disturbed ? distance - (t - next) * motion.v_eb_n.norm() : 0.0;
             out.sensor_truth.push_back({time, gyro.bias(), accel.bias(), anomaly.at(gone, next)});
         }
     };
@@ -123,7 +127,8 @@ SimulatedData simulate(const Scenario& s) {
     const double unit = s.imu.kind == ImuKind::Rates ? s.imu.rate : 1.0;
     for (std::size_t k = 1; k <= samples; ++k) {
         const double t = static_cast<double>(k) / s.imu.rate;
-        ExactIncrement exact = exact_increment(s.earth, *path, static_cast<double>(k - 1) / s.imu.rate, t);
+        ExactIncrement exact = flown != nullptr ? flown->increment(k - 1)
+                                                : exact_increment(s.earth, *path, static_cast<double>(k - 1) / s.imu.rate, t);
         if (disturbed) {  // an accelerometer senses the reaction to gravity: deviations from the model enter negatively
             const Kinematics middle = path->at(t - 0.5 * dt);
             const double step = dt * middle.v_eb_n.norm();

@@ -37,10 +37,10 @@ settings::ScenarioConfig with_states(settings::ScenarioConfig scenario, const se
 }  // namespace
 
 ResultBundle simulated_bundle(const settings::ScenarioConfig& scenario, const settings::SettingList& over, WarningLog& warnings,
-                              const settings::ScenarioConfig* assumed) {
+                              const settings::ScenarioConfig* assumed, const sim::ExactFlight* flown) {
     const settings::ScenarioConfig described = with_states(assumed != nullptr ? *assumed : scenario, over);
-    scenario::SimulatedDataset simulated =
-        assumed != nullptr ? scenario::simulate_dataset(scenario, &described) : scenario::simulate_dataset(described);
+    scenario::SimulatedDataset simulated = assumed != nullptr ? scenario::simulate_dataset(scenario, &described, flown)
+                                                              : scenario::simulate_dataset(described, nullptr, flown);
     settings::Config config = settings::config_from(settings::overlaid(simulated.settings, over));
     const sensor::ImuErrorModel& unit = scenario.sim.imu.errors;
     config.filter.imu.noiseless |= unit.gyro_noise == 0.0 && unit.accel_noise == 0.0;  // whatever is assumed

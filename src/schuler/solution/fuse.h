@@ -10,9 +10,10 @@
 
 namespace schuler::solution {
 
-/// A simulated data set with the settings `over` its own; ready for processing.
+/// A simulated data set with the settings `over` its own; ready for processing. `flown`: see sim::simulate.
 [[nodiscard]] ResultBundle simulated_bundle(const settings::ScenarioConfig& scenario, const settings::SettingList& over,
-                                            WarningLog& warnings, const settings::ScenarioConfig* assumed = nullptr);
+                                            WarningLog& warnings, const settings::ScenarioConfig* assumed = nullptr,
+                                            const sim::ExactFlight* flown = nullptr);
 
 /// Output rate (Hz) of the filter for the evaluation, 0 = every IMU epoch, independent of the rate written later.
 [[nodiscard]] double internal_rate(const LoadedDataset& data);

@@ -157,6 +157,7 @@ report::Outcome analyze_budget(const StudyRequest& request) {
         if (s.present(first)) sources.push_back(&s);
     const std::size_t rows = sources.size() + 1;  // the last one: all sources together
     std::vector<std::vector<ErrorMeasures>> all(rows, std::vector<ErrorMeasures>(request.runs));
+    const auto flown = sim::exact_flight(first.sim);  // all rows and seeds fly the same path
     for_each_run(
         rows * request.runs, request.jobs,
         [&](std::size_t job) {
@@ -170,7 +171,7 @@ report::Outcome analyze_budget(const StudyRequest& request) {
                 sources[row]->keep(full, simulated);
             }
             WarningLog unheard;
-            solution::ResultBundle bundle = solution::simulated_bundle(simulated, request.above, unheard, &full);
+            solution::ResultBundle bundle = solution::simulated_bundle(simulated, request.above, unheard, &full, flown.get());
             solution::fuse_and_evaluate(bundle, unheard, full.sim.reference_rate, {});
             all[row][k] = measures_of(bundle);
         },

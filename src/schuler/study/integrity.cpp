@@ -107,22 +107,23 @@ std::vector<std::string> satellites_throughout(const RangingLog& log, Time from,
     return out;
 }
 
-solution::ResultBundle run_with(const settings::ScenarioConfig& scenario, const settings::SettingList& over, bool controlled) {
+solution::ResultBundle run_with(const settings::ScenarioConfig& scenario, const settings::SettingList& over, bool controlled,
+                                const sim::ExactFlight* flown) {
     settings::SettingList all = over;
     all.push_back({"filter.integrity.use", {controlled}, {}});
     all.push_back({"filter.protection.use", {controlled}, {}});
     if (!controlled) all.push_back({"filter.gate_probability", {0.0}, {}});
     WarningLog unheard;
-    solution::ResultBundle bundle = solution::simulated_bundle(scenario, all, unheard);
+    solution::ResultBundle bundle = solution::simulated_bundle(scenario, all, unheard, nullptr, flown);
     solution::fuse_and_evaluate(bundle, unheard, scenario.sim.reference_rate, {});
     return bundle;
 }
 
 /// A run compared with the same one without a fault: findings common to both are not a detection.
 Verdict judged(const settings::ScenarioConfig& scenario, const settings::SettingList& over, const std::vector<Finding>& in_health,
-               double start, double duration) {
+               double start, double duration, const sim::ExactFlight* flown) {
     Verdict v;
-    const solution::ResultBundle bundle = run_with(scenario, over, true);
+    const solution::ResultBundle bundle = run_with(scenario, over, true, flown);
     v.controlled = largest_error(bundle, start);
     v.healthy_hours = start / 3600.0;
     for (const Finding& f : findings_of(bundle)) {
@@ -132,7 +133,7 @@ Verdict judged(const settings::ScenarioConfig& scenario, const settings::Setting
         v.detected = true;
         v.time_to_alert = t - start;
     }
-    v.uncontrolled = largest_error(run_with(scenario, over, false), start);
+    v.uncontrolled = largest_error(run_with(scenario, over, false, flown), start);
     return v;
 }
 
@@ -170,6 +171,7 @@ report::Outcome analyze_integrity(const StudyRequest& request) {
         throw input_error("the signals of a receiver at correlator level are not faulted",
                           {.file = {}, .key = "receiver.rate_hz"}, "give ranges.rate_hz and their errors instead");
     const Victim victim = victim_of(first, request.above);
+    const auto flown = sim::exact_flight(first.sim);  // all runs fly the same path
     const auto healthy_of = [&](std::size_t run) {
         settings::SettingList settings = base;
         settings.push_back({"seed", {static_cast<std::int64_t>(first.sim.seed + run)}, {}});
@@ -192,7 +194,8 @@ report::Outcome analyze_integrity(const StudyRequest& request) {
     std::vector<std::vector<std::string>> satellites(request.runs);
     for_each_run(request.runs, request.jobs,
                  [&](std::size_t run) {
-                     const solution::ResultBundle b = run_with(settings::scenario_from(healthy_of(run)), request.above, true);
+                     const solution::ResultBundle b =
+                         run_with(settings::scenario_from(healthy_of(run)), request.above, true, flown.get());
                      in_health[run] = findings_of(b);
                      const Time begin = b.data.origin + Duration::from_seconds(start),
                                 end = begin + Duration::from_seconds(request.duration);
@@ -216,8 +219,8 @@ report::Outcome analyze_integrity(const StudyRequest& request) {
         verdicts.size(), request.jobs,
         [&](std::size_t job) {
             const std::size_t run = job % request.runs;
-            verdicts[job] =
-                judged(scenario_of(cases[job / request.runs], run), request.above, in_health[run], start, request.duration);
+            verdicts[job] = judged(scenario_of(cases[job / request.runs], run), request.above, in_health[run], start,
+                                   request.duration, flown.get());
         },
         request.progress);
 

@@ -174,39 +174,69 @@ struct End {
     [[nodiscard]] double close(double value) const { return value - 1e-9 * (limit + std::abs(mean)); }
 };
 
-/// Values that stay at the largest one ever shown by the axis are its limit if that is rare and far from the usual values, or if
-/// they are far more frequent than the next smaller value close below: a range permanently exceeded by the motion. The same
-/// applies to the constant value of an accelerometer axis if the three together do not show gravity.
-End end_of(const std::vector<ImuIncrement>& increments, const Quantity& q, const Range& range, int axis, double sign) {
-    End end{axis, sign, range.mean(axis), sign > 0.0 ? range.most(axis) : -range.least(axis)};
-    constexpr double mostly = 0.1, beyond = 0.3;             // fraction of all samples; of the range
-    if (!(end.limit > 1e-6 * (1.0 + std::abs(end.mean)))) {  // an axis without noise
-        if (q.integral != &ImuIncrement::dv || sign * end.mean <= 0.0) return end;
-        constexpr double gravity = 9.81, without_doubt = 0.3;  // m/s^2
-        double size = 0.0;
-        for (const auto& i : increments) size += q.of(i).norm() / static_cast<double>(increments.size());
-        end.reached = size < gravity - without_doubt;
-        end.size = beyond * std::abs(end.mean);
-        return end;
-    }
-    end.reached = end.limit > 4.0 * range.usual(axis);
-    end.size = end.limit;
-    if (end.reached) return end;
-    double next = -end.limit;
+/// An end of an axis of which all samples decide: how many are at it, and how many at the next smaller value.
+struct CountedEnd {
+    std::size_t place;  ///< in the list of ends
+    double next;
     std::size_t there = 0, below = 0;
-    for (const auto& i : increments)
-        if (const double x = sign * (q.of(i)(axis) - end.mean); x < end.close(end.limit)) next = std::max(next, x);
-    for (const auto& i : increments) {
-        const double x = sign * (q.of(i)(axis) - end.mean);
-        if (x >= end.close(end.limit)) ++there;
-        else if (x >= end.close(next)) ++below;
+};
+
+/// Of an axis without noise: the constant value of an accelerometer axis is its limit if the three together do not show gravity.
+void judge_constant(End& end, const std::vector<ImuIncrement>& increments, const Quantity& q) {
+    constexpr double gravity = 9.81, without_doubt = 0.3, beyond = 0.3;  // m/s^2, m/s^2, fraction of the range
+    double size = 0.0;
+    for (const auto& i : increments) size += q.of(i).norm() / static_cast<double>(increments.size());
+    end.reached = size < gravity - without_doubt;
+    end.size = beyond * std::abs(end.mean);
+}
+
+/// The ends that are reached. Values that stay at the largest one ever shown by the axis are its limit if that is rare and far from the
+/// usual values, or if they are far more frequent than the next smaller value close below: a range permanently exceeded by the motion.
+std::vector<End> reached_ends(const std::vector<ImuIncrement>& increments, const Quantity& q) {
+    constexpr double mostly = 0.1, beyond = 0.3;  // fraction of all samples; of the range
+    const Range range = range_of(increments, q);
+    std::vector<End> ends;
+    std::vector<CountedEnd> counted;
+    for (int axis = 0; axis < 3; ++axis) {
+        for (const double sign : {1.0, -1.0}) {
+            End& end = ends.emplace_back(End{axis, sign, range.mean(axis), sign > 0.0 ? range.most(axis) : -range.least(axis)});
+            if (!(end.limit > 1e-6 * (1.0 + std::abs(end.mean)))) {
+                if (q.integral == &ImuIncrement::dv && sign * end.mean > 0.0) judge_constant(end, increments, q);
+                continue;
+            }
+            end.reached = end.limit > 4.0 * range.usual(axis);
+            end.size = end.limit;
+            if (!end.reached) counted.push_back({ends.size() - 1, -end.limit});
+        }
     }
-    const bool continuous = end.limit - next < 0.1 * end.limit;  // the two levels of a coarse axis do not count
-    end.reached = continuous && there >= 30 && there > 10 * below;
-    // An axis that is mostly at its limit hardly departs from its mean.
-    if (static_cast<double>(there) > mostly * static_cast<double>(increments.size()))
-        end.size = std::max(end.size, beyond * std::abs(end.mean + sign * end.limit));
-    return end;
+    // The samples are visited for all ends together: most of the time is the division by their intervals.
+    const auto visit = [&](const auto& of_end) {
+        if (counted.empty()) return;
+        for (const auto& i : increments) {
+            const Vector3d value = q.of(i);
+            for (CountedEnd& c : counted) {
+                const End& end = ends[c.place];
+                of_end(c, end, end.sign * (value(end.axis) - end.mean));
+            }
+        }
+    };
+    visit([](CountedEnd& c, const End& end, double x) {
+        if (x < end.close(end.limit)) c.next = std::max(c.next, x);
+    });
+    visit([](CountedEnd& c, const End& end, double x) {
+        if (x >= end.close(end.limit)) ++c.there;
+        else if (x >= end.close(c.next)) ++c.below;
+    });
+    for (const CountedEnd& c : counted) {
+        End& end = ends[c.place];
+        const bool continuous = end.limit - c.next < 0.1 * end.limit;  // the two levels of a coarse axis do not count
+        end.reached = continuous && c.there >= 30 && c.there > 10 * c.below;
+        // An axis that is mostly at its limit hardly departs from its mean.
+        if (static_cast<double>(c.there) > mostly * static_cast<double>(increments.size()))
+            end.size = std::max(end.size, beyond * std::abs(end.mean + end.sign * end.limit));
+    }
+    std::erase_if(ends, [](const End& end) { return !end.reached; });
+    return ends;
 }
 
 /// Runs of three samples or more at each of the ends.
@@ -230,11 +260,8 @@ std::vector<std::vector<Block>> runs_at(const std::vector<ImuIncrement>& increme
 /// time. `saturated`: those samples.
 void add_saturation(const std::vector<ImuIncrement>& increments, const Quantity& q, const std::vector<Block>& blocks,
                     std::vector<filter::BridgeNoise>& noise, std::vector<bool>& saturated) {
-    const Range range = range_of(increments, q);
-    std::vector<End> ends;
-    for (int axis = 0; axis < 3; ++axis)
-        for (const double sign : {1.0, -1.0})
-            if (const End end = end_of(increments, q, range, axis, sign); end.reached) ends.push_back(end);
+    const std::vector<End> ends = reached_ends(increments, q);
+    if (ends.empty()) return;
     const std::vector<std::vector<Block>> runs = runs_at(increments, q, ends);
     for (std::size_t e = 0; e < ends.size(); ++e) {
         std::size_t block = 0;

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace schuler::inspect::detail {
@@ -45,21 +46,40 @@ Scale scale_of(const LoadedFile& file) {
     return {"boot", 0.5, "neither seconds of a week nor of an epoch"};
 }
 
-std::vector<ImuSample> imu_samples(const LoadedFile& file, Duration shift) {
-    std::vector<ImuSample> samples;
-    samples.reserve(file.time_ns.size());
-    const bool increments = file.has("dtheta_x_rad");
-    for (std::size_t i = 0; i < file.time_ns.size(); ++i) {
-        const Time t = Time{file.time_ns[i]} + shift;
-        if (increments)
-            samples.push_back({t, file.vector("dtheta_x_rad", "dtheta_y_rad", "dtheta_z_rad", i),
-                               file.vector("dv_x_m_s", "dv_y_m_s", "dv_z_m_s", i)});
-        else
-            samples.push_back({t, file.vector("gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s", i),
-                               file.vector("accel_x_m_s2", "accel_y_m_s2", "accel_z_m_s2", i)});
+/// The IMU's columns of a file as samples.
+class ImuColumns {
+public:
+    ImuColumns(const LoadedFile& file, Duration shift) : times_(file.time_ns), shift_(shift) {
+        const bool increments = file.has("dtheta_x_rad");
+        const char* const names[2][6] = {
+            {"gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s", "accel_x_m_s2", "accel_y_m_s2", "accel_z_m_s2"},
+            {"dtheta_x_rad", "dtheta_y_rad", "dtheta_z_rad", "dv_x_m_s", "dv_y_m_s", "dv_z_m_s"}};
+        for (std::size_t k = 0; k < 6; ++k) {
+            const std::string name = names[increments ? 1 : 0][k];
+            columns_[k] = file.has(name) ? &file[name] : nullptr;
+        }
     }
-    std::stable_sort(samples.begin(), samples.end(), [](const ImuSample& a, const ImuSample& b) { return a.time < b.time; });
-    return samples;
+    [[nodiscard]] ImuSample operator()(std::size_t row) const {
+        const auto value = [&](std::size_t k) { return columns_[k] != nullptr ? (*columns_[k])[row] : not_given; };
+        return {Time{times_[row]} + shift_, {value(0), value(1), value(2)}, {value(3), value(4), value(5)}};
+    }
+
+private:
+    const std::vector<std::int64_t>& times_;
+    Duration shift_;
+    std::array<const std::vector<double>*, 6> columns_{};
+};
+
+ImuSeries series_of(const LoadedFile& file, Duration shift, ImuKind kind, Time origin) {
+    const ImuColumns samples(file, shift);
+    const std::size_t n = file.time_ns.size();
+    // a day of samples is a gigabyte: there is no second copy unless they have to be sorted
+    if (std::ranges::is_sorted(file.time_ns)) return imu_series(n, samples, kind, origin);
+    std::vector<ImuSample> sorted;
+    sorted.reserve(n);
+    for (std::size_t i = 0; i < n; ++i) sorted.push_back(samples(i));
+    std::ranges::stable_sort(sorted, {}, &ImuSample::time);
+    return imu_series(sorted, kind, origin);
 }
 
 void check_overlap(Study& study) {
@@ -183,7 +203,7 @@ void judge_time(Study& study) {
     }
     if (study.imu_file != nullptr) {
         const ImuKind kind = study.imu_file->has("dtheta_x_rad") ? ImuKind::Increments : ImuKind::Rates;
-        study.imu = imu_series(imu_samples(*study.imu_file, Duration::from_seconds(study.imu_shift)), kind, study.origin);
+        study.imu = series_of(*study.imu_file, Duration::from_seconds(study.imu_shift), kind, study.origin);
     }
 }
 

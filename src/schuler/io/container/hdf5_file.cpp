@@ -62,7 +62,7 @@ struct Hdf5Writer::File {
     /// The file is abandoned as it is: closing it would write, fail, and leave the library in an invalid state.
     [[nodiscard]] Error failed(const std::string& what, const std::string& object) {
         file.abandon();
-        return computation_error(fmt::format("{}: {} cannot be {}", path.string(), object, what), "make room on the disk");
+        return input_error(fmt::format("{} cannot be {}", object, what), place_in(path.string()), "make room on the disk");
     }
 
     void make_groups(const std::string& object) {

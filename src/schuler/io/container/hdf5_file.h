@@ -24,7 +24,7 @@ public:
     ~Hdf5Writer() override;
 
     /// Creates an empty table (rows x columns) under a path such as "/solution/position"; parent groups are created.
-    /// Attributes (units, names of the columns) are texts. Throws Error(Computation) if the path exists or the disk is full.
+    /// Attributes (units, names of the columns) are texts. Throws Error(Input) if the path exists or the disk is full.
     void create_table(const std::string& path, std::size_t columns, const Hdf5Attributes& attributes = {});
     /// Appends rows, in row order; the size must be a multiple of the number of columns.
     void append(const std::string& path, std::span<const double> values);

@@ -321,7 +321,7 @@ void write_mat(const std::filesystem::path& path, std::span<const SolutionRow> r
         }
         if (!good) {
             std::filesystem::remove(beside);
-            throw computation_error(fmt::format("{}: cannot be written completely", path.string()), "is the disk full?");
+            throw input_error("cannot be written completely", place_in(path.string()), "is the disk full?");
         }
     }
     std::filesystem::rename(beside, path);

@@ -156,8 +156,8 @@ void MatWriter::commit() {
                                         "give a smaller --output-rate, or use run.h5");
             const Variable variable = variable_of(name.c_str(), node);
             if (!variable || Mat_VarWrite(file.get(), variable.get(), MAT_COMPRESSION_NONE) != 0)
-                throw computation_error(fmt::format("{}: {} cannot be written", file_->path.string(), name),
-                                        "make room on the disk");
+                throw input_error(fmt::format("{} cannot be written", name), place_in(file_->path.string()),
+                                  "make room on the disk");
         }
     }
     std::error_code error;

@@ -23,7 +23,7 @@ public:
                   const TableAttributes& attributes) override;
     void integers(const std::string& path, std::span<const std::int64_t> values, const TableAttributes& attributes) override;
     void attribute(const std::string& path, const std::string& name, const std::string& value) override;
-    /// Throws Error(Computation) if the disk is full, or a variable exceeds the limit of the format (2 GB).
+    /// Throws Error(Input) if the disk is full, Error(Computation) if a variable exceeds the format's limit (2 GB).
     void commit() override;
 
 private:

@@ -20,7 +20,7 @@ public:
     TableWriter& operator=(const TableWriter&) = delete;
 
     /// A complete table (rows x columns, in row order) under a path such as "/solution/position"; parent groups are created.
-    /// Attributes (units, names of the columns) are texts. Throws Error(Computation) if the path exists or the disk is full.
+    /// Attributes (units, names of the columns) are texts. Throws Error(Input) if the path exists or the disk is full.
     virtual void table(const std::string& path, std::span<const double> values, std::size_t columns,
                        const TableAttributes& attributes) = 0;
     /// Square matrices, size * size values each.

@@ -32,7 +32,7 @@ public:
 
     void append(const SolutionRow& row);
     void append(std::span<const SolutionRow> rows);
-    /// Throws Error(Computation) if the disk is full.
+    /// Throws Error(Input) if the disk is full.
     void commit();
 
 private:

@@ -34,10 +34,11 @@ struct Kept {
 };
 
 /// `asked`: keys of given settings that are checked for an effect.
-Kept kept_of(const settings::ScenarioConfig& flight, const settings::SettingList& over, const std::set<std::string>& asked) {
+Kept kept_of(const settings::ScenarioConfig& flight, const settings::SettingList& over, const std::set<std::string>& asked,
+             const sim::ExactFlight* flown) {
     Kept out;
     WarningLog unheard;
-    solution::ResultBundle bundle = solution::simulated_bundle(flight, over, unheard);
+    solution::ResultBundle bundle = solution::simulated_bundle(flight, over, unheard, nullptr, flown);
     solution::fuse_and_evaluate(bundle, unheard, flight.sim.reference_rate, {});
     bundle.command = "montecarlo";
     if (!asked.empty()) out.ignored = solution::ignored_of(bundle, asked);
@@ -99,6 +100,7 @@ CompareCampaign compare_campaign(const settings::SettingList& base, const settin
     std::set<std::string> asked;
     for (const settings::Setting& s : above) asked.insert(s.key);
     std::vector<Kept> all(c.schemes.size() * runs);
+    const auto flown = sim::exact_flight(scenario.sim);  // of all schemes and seeds, unless the path varies
     for_each_run(
         all.size(), jobs,
         [&](std::size_t job) {
@@ -110,7 +112,7 @@ CompareCampaign compare_campaign(const settings::SettingList& base, const settin
                 all[job] = kept_of(
                     with_satellites(settings::scenario_from(settings_of_run(base, scenario.vary, seed, job % runs, drawn)),
                                     s.satellites),
-                    over, job % runs == 0 ? asked : std::set<std::string>{});
+                    over, job % runs == 0 ? asked : std::set<std::string>{}, flown.get());
             } catch (const Error& e) {
                 if (job == 0) throw;
                 all[job].failure = fmt::format("seed {}: {}", seed, e.what());

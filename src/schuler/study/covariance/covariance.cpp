@@ -77,11 +77,12 @@ Found found(const CovarianceRequest& request, const SettingList& base) {
                           "name an error of a sensor, as imu.gyro_bias_deg_h");
     const double target = *request.target;
     Found out;
+    const auto flown = flight_of_mismatch(settings::scenario_from(base), request.rate);
     const auto error = [&](double x) {
         SettingList with = base;
         with.push_back({request.find, {x}, {"--find", 0, 0, request.find}});
         ++out.evaluations;
-        return required(mismatch(settings::scenario_from(with), request.above, request.rate));
+        return required(mismatch(settings::scenario_from(with), request.above, request.rate, flown.get()));
     };
     double low = std::max(0.0, option->spec.low), low_error = error(low);
     if (low_error > target)

@@ -1,5 +1,6 @@
 #include "schuler/study/covariance/mismatch.h"
 
+#include "schuler/estim/joint_covariance.h"
 #include "schuler/filter/states/model.h"
 #include "schuler/filter/update/pass.h"
 #include "schuler/fusion/start.h"
@@ -17,7 +18,6 @@
 namespace schuler::study {
 namespace {
 
-using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 using filter::AidKind;
@@ -40,7 +40,6 @@ struct ErrorSource {
     Vector3d white_position = Vector3d::Zero(), white_velocity = Vector3d::Zero();
     double white_baro = 0.0;
     bool decays_with_speed = false;
-    MatrixXd S;
 
     [[nodiscard]] Eigen::Index size() const { return variance.size(); }
     /// True if it causes no errors.
@@ -160,83 +159,53 @@ std::vector<std::string> left_out_of(const settings::ScenarioConfig& s) {
 /// Propagates the sources along a run.
 class Follower : public filter::PassObserver<Frame> {
 public:
-    Follower(const filter::InertialModel& model, const settings::ScenarioConfig& scenario, std::vector<ErrorSource>& sources,
-             Time origin, Mismatch& out)
+    Follower(const filter::InertialModel& model, const settings::ScenarioConfig& scenario,
+             const std::vector<ErrorSource>& sources, Time origin, Mismatch& out)
         : model_(model), scenario_(scenario), sources_(sources), origin_(origin), out_(out) {}
 
     void begin(Eigen::Index states) {
-        n_ = states;
-        for (ErrorSource& s : sources_) {
-            s.S = MatrixXd::Zero(n_ + s.size(), n_ + s.size());
-            s.S.topLeftCorner<9, 9>() = s.start;
-            s.S.diagonal().tail(s.size()) = s.variance;
-        }
+        phi_ = estim::GatheredTransition(static_cast<int>(states));
+        for (const ErrorSource& s : sources_) joint_.emplace_back(static_cast<int>(states), s.start, s.variance);
     }
     [[nodiscard]] bool records() const override { return true; }
-    void step(const estim::Transition& phi) override { phi_ = phi; }
+    void step(const estim::Transition& phi) override { last_ = phi; }
     void propagated(const Filter& f, double span) override {
-        // First nine rows of the transition, and the diagonal of the others; with shears (a state integrates another) it is dense.
-        MatrixXd top = MatrixXd::Zero(9, n_), dense;
-        VectorXd diagonal = phi_.diagonal.head(n_);
-        if (phi_.shear_count == 0) {
-            const Eigen::Index driven = std::min<Eigen::Index>(phi_.driven, n_);
-            top.leftCols(driven) = phi_.rows.topRows(driven).transpose();
-        } else {
-            dense.resize(n_, n_);
-            filter::StateVector unit = filter::StateVector::Zero(n_);
-            for (Eigen::Index i = 0; i < n_; ++i) {
-                unit(i) = 1.0;
-                dense.col(i) = phi_.times(unit).head(n_);
-                unit(i) = 0.0;
-            }
-            top = dense.topRows(9);
-        }
-        const Eigen::Matrix<double, 9, 3> by_gyro = top.middleCols<3>(Layout::gyro_bias),
-                                          by_accel = top.middleCols<3>(Layout::accel_bias);
+        const bool sheared = last_.shear_count > 0;  // a state integrates another
+        if (sheared) settle();
+        const Matrix9x3 by_gyro = columns_of(Layout::gyro_bias), by_accel = columns_of(Layout::accel_bias);
         const Vector3d force = f.previous.dt > 0.0 ? Vector3d(f.previous.dv / f.previous.dt) : Vector3d::Zero();
         const double speed = f.geographic(model_).v_eb_n.head<2>().norm();
-        for (ErrorSource& s : sources_) {
-            const Eigen::Index m = s.size();
+        if (!sheared) phi_.add(last_);
+        for (std::size_t k = 0; k < sources_.size(); ++k) {
+            const ErrorSource& s = sources_[k];
             if (s.empty()) continue;
-            MatrixXd F = MatrixXd::Zero(9, n_ + m);
-            F.leftCols(n_) = top;
-            VectorXd d(n_ + m), noise(m);
-            d.head(n_) = diagonal;
+            Joint::Drive drive(9, 0);
             switch (s.drive) {
                 case Drive::None: break;
-                case Drive::Gyro: F.block(0, n_, 9, 6) << -by_gyro, -by_gyro; break;
-                case Drive::Accel: F.block(0, n_, 9, 6) << -by_accel, -by_accel; break;
-                case Drive::GyroAxes: F.block(0, n_, 9, 9) = -by_gyro * axes_acting_on(f.w_ib_b); break;
-                case Drive::AccelAxes: F.block(0, n_, 9, 9) = -by_accel * axes_acting_on(force); break;
+                case Drive::Gyro: drive = repeated(-by_gyro); break;
+                case Drive::Accel: drive = repeated(-by_accel); break;
+                case Drive::GyroAxes: drive = -by_gyro * axes_acting_on(f.w_ib_b); break;
+                case Drive::AccelAxes: drive = -by_accel * axes_acting_on(force); break;
             }
-            for (Eigen::Index i = 0; i < m; ++i) {
+            Joint::Processes decays(s.size()), noise(s.size());
+            for (Eigen::Index i = 0; i < s.size(); ++i) {
                 const double decay = s.decays_with_speed ? scenario_.sim.gnss.errors.position_decay(speed) : s.decay(i);
                 const double psd = s.decays_with_speed ? 2.0 * decay * s.variance(i) : s.psd(i);
-                d(n_ + i) = std::exp(-decay * span);
+                decays(i) = decay > 0.0 ? std::exp(-decay * span) : 1.0;
                 noise(i) = decay > 0.0 ? -psd / (2.0 * decay) * std::expm1(-2.0 * decay * span) : psd * span;
             }
-            if (dense.size() > 0) {
-                MatrixXd all = d.asDiagonal();
-                all.topLeftCorner(n_, n_) = dense;
-                all.topRows(9) = F;
-                const MatrixXd half = all * s.S;
-                s.S.noalias() = half * all.transpose();
-            } else {
-                const Eigen::Index rest = n_ + m - 9;
-                const MatrixXd half = F * s.S;
-                s.S.bottomRightCorner(rest, rest).array() *= (d.tail(rest) * d.tail(rest).transpose()).array();
-                s.S.topLeftCorner(9, 9).noalias() = half * F.transpose();
-                s.S.topRightCorner(9, rest).noalias() = half.rightCols(rest) * d.tail(rest).asDiagonal();
-                s.S.bottomLeftCorner(rest, 9) = s.S.topRightCorner(9, rest).transpose();
-            }
-            s.S.diagonal().tail(m) += noise;
-            if (s.gyro_psd > 0.0) s.S.topLeftCorner<9, 9>() += s.gyro_psd / span * by_gyro * by_gyro.transpose();
-            if (s.accel_psd > 0.0) s.S.topLeftCorner<9, 9>() += s.accel_psd / span * by_accel * by_accel.transpose();
+            Joint::Matrix9 white;
+            if (s.gyro_psd > 0.0) white.noalias() = s.gyro_psd / span * by_gyro.lazyProduct(by_gyro.transpose());
+            else if (s.accel_psd > 0.0) white.noalias() = s.accel_psd / span * by_accel.lazyProduct(by_accel.transpose());
+            const Joint::Matrix9* added = s.gyro_psd > 0.0 || s.accel_psd > 0.0 ? &white : nullptr;
+            if (sheared) joint_[k].step_with_shears(last_, drive, decays, noise, added);
+            else joint_[k].step(last_, drive, decays, noise, added);
         }
     }
     void scalar(const estim::RowUpdate& u) override { pending_.push_back(u); }
     void corrected() override { throw unfollowed("the corrections of this coupling are not updates of a Kalman filter"); }
     void aid(const filter::AidRecord& record) override {
+        settle();
         for (const estim::RowUpdate& u : pending_) update(record.kind, u);
         pending_.clear();
     }
@@ -251,11 +220,38 @@ public:
     }
 
 private:
-    [[nodiscard]] MismatchRow row_at(const FilterRun& run, Time time) const {
+    using Joint = estim::JointCovariance;
+    using Matrix9x3 = Eigen::Matrix<double, 9, 3>;
+
+    /// Three columns of the first nine rows of the transition.
+    [[nodiscard]] Matrix9x3 columns_of(int first) const {
+        if (last_.shear_count == 0) return last_.rows.middleRows<3>(first).transpose();
+        Matrix9x3 out;
+        filter::StateVector unit = filter::StateVector::Zero(phi_.diagonal.size());
+        for (int i = 0; i < 3; ++i) {
+            unit(first + i) = 1.0;
+            out.col(i) = last_.times(unit).head<9>();
+            unit(first + i) = 0.0;
+        }
+        return out;
+    }
+    static Joint::Drive repeated(const Matrix9x3& once) {
+        Joint::Drive out(9, 6);
+        out << once, once;
+        return out;
+    }
+    /// Carries out the steps since the last time.
+    void settle() {
+        for (std::size_t k = 0; k < sources_.size(); ++k)
+            if (!sources_[k].empty()) joint_[k].settle(phi_);
+        phi_.reset();
+    }
+    [[nodiscard]] MismatchRow row_at(const FilterRun& run, Time time) {
+        settle();
         MismatchRow row;
         row.time_s = (time - origin_).seconds();
         row.filter = run.covariance(model_).diagonal();
-        for (const ErrorSource& s : sources_) row.sources.emplace_back(s.S.diagonal().head<9>());
+        for (Joint& j : joint_) row.sources.push_back(j.variances());
         return row;
     }
     void update(AidKind kind, const estim::RowUpdate& u) {
@@ -268,31 +264,25 @@ private:
                                                         : -1;
         double seen = -1.0;  // the innovation is estimate minus measured
         if (state >= 0 && u.h(state + static_cast<int>(axis)) != 0.0) seen = -u.h(state + static_cast<int>(axis));
-        const VectorXd whole = u.h.whole(n_).head(n_);
-        for (ErrorSource& s : sources_) {
+        for (std::size_t k = 0; k < sources_.size(); ++k) {
+            const ErrorSource& s = sources_[k];
             if (s.empty()) continue;
-            const Eigen::Index size = n_ + s.size();
-            VectorXd h = VectorXd::Zero(size), k = VectorXd::Zero(size);
-            h.head(n_) = whole;
-            k.head(n_) = u.k.head(n_);
-            if (s.slow == kind) h(n_ + axis) = seen;
-            const VectorXd Sh = s.S * h;
-            const double variance = h.dot(Sh) + s.white(kind, axis);
-            s.S.noalias() -= k * Sh.transpose();
-            s.S.noalias() -= Sh * k.transpose();
-            s.S.noalias() += variance * k * k.transpose();
+            joint_[k].correct(u.h, u.k, s.slow == kind ? static_cast<int>(axis) : -1, seen, s.white(kind, axis));
         }
     }
 
     const filter::InertialModel& model_;
     const settings::ScenarioConfig& scenario_;
-    std::vector<ErrorSource>& sources_;
+    const std::vector<ErrorSource>& sources_;
     Time origin_;
     Mismatch& out_;
-    Eigen::Index n_ = 0;
-    estim::Transition phi_;
+    std::vector<Joint> joint_;  ///< of each source
+    estim::Transition last_;
+    estim::GatheredTransition phi_;  ///< since the last settle()
     std::vector<estim::RowUpdate> pending_;
 };
+
+constexpr double slow_reference = 0.1;  // Hz: only its first epoch is used, for the initial state
 
 /// The initial covariance of the first nine errors, from one kind of initial error.
 Eigen::Matrix<double, 9, 9> start_covariance(const filter::InertialModel& model, const filter::RunData& data,
@@ -323,7 +313,15 @@ Variances MismatchRow::all() const {
     return sum;
 }
 
-Mismatch mismatch(const settings::ScenarioConfig& scenario, const settings::SettingList& over, double rate) {
+std::shared_ptr<const sim::ExactFlight> flight_of_mismatch(const settings::ScenarioConfig& scenario, double rate) {
+    sim::Scenario flown = scenario.sim;
+    flown.imu.rate = std::min(flown.imu.rate, rate);
+    flown.reference_rate = slow_reference;
+    return sim::exact_flight(flown);
+}
+
+Mismatch mismatch(const settings::ScenarioConfig& scenario, const settings::SettingList& over, double rate,
+                  const sim::ExactFlight* flown_before) {
     if (!scenario.initial_error.given())
         throw input_error(
             "the scenario does not give the initial errors of the filter", {.file = {}, .key = "filter.initial_error"},
@@ -333,8 +331,9 @@ Mismatch mismatch(const settings::ScenarioConfig& scenario, const settings::Sett
                           {.file = {}, .key = "ranges.rate_hz"}, "use `schuler analyze budget`");
     settings::ScenarioConfig flown = without_errors(scenario);
     flown.sim.imu.rate = std::min(flown.sim.imu.rate, rate);
+    flown.sim.reference_rate = slow_reference;
     WarningLog unheard;
-    const solution::ResultBundle bundle = solution::simulated_bundle(flown, over, unheard, &scenario);
+    const solution::ResultBundle bundle = solution::simulated_bundle(flown, over, unheard, &scenario, flown_before);
     const fusion::Settings& given = bundle.data.config.filter;
     if (given.coupling != filter::Coupling::Loose) throw Follower::unfollowed("only the loose scheme is followed");
     if (given.mechanization != fusion::Mechanization::Geographic)

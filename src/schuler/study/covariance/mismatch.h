@@ -3,9 +3,11 @@
 
 #include "schuler/settings/scenario/scenario.h"
 #include "schuler/settings/value.h"
+#include "schuler/sim/exact_flight.h"
 
 #include <Eigen/Core>
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,7 +38,10 @@ struct Mismatch {
 };
 
 /// Runs the scenario without errors, at an IMU rate of at most `rate` Hz, through the filter with the scenario's assumptions, and
-/// propagates the covariance of each true error source with the filter's transitions and gains. @throws Error
-[[nodiscard]] Mismatch mismatch(const settings::ScenarioConfig& scenario, const settings::SettingList& over, double rate);
+/// propagates the covariance of each true error source with the filter's transitions and gains. `flown`: see sim::simulate. @throws Error
+[[nodiscard]] Mismatch mismatch(const settings::ScenarioConfig& scenario, const settings::SettingList& over, double rate,
+                                const sim::ExactFlight* flown = nullptr);
+/// The flight of such a run, for several with the same path; may be null.
+[[nodiscard]] std::shared_ptr<const sim::ExactFlight> flight_of_mismatch(const settings::ScenarioConfig& scenario, double rate);
 
 }  // namespace schuler::study

@@ -31,7 +31,7 @@ bool is_left_over(const std::string& name) {
 }
 
 Error rows_unwritable(const fs::path& file) {
-    return computation_error(fmt::format("{}: cannot be written", file.string()), "make room on the disk");
+    return input_error("cannot be written", {.file = file.string()}, "make room on the disk");
 }
 
 std::string file_bytes(const fs::path& file) {

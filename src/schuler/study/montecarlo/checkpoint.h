@@ -28,7 +28,7 @@ public:
     /// Creates the file of rows and the first checkpoint, so that write errors are detected before the work. @throws Error
     void begin();
     void add(const MonteCarloRun& run, const RunNumbers& row);
-    /// Writes the checkpoint. @throws Error(Computation) if the disk is full
+    /// Writes the checkpoint. @throws Error(Input) if the disk is full
     void save();
     /// The rows of all parts in the order of runs, `first` to `end`. @throws Error
     void each_row(std::uint64_t first, std::uint64_t end, const std::function<void(const RunNumbers&)>& show);

@@ -56,9 +56,10 @@ double epoch_step(const settings::ScenarioConfig& scenario) {
     return std::max(1.0, std::ceil(longest / static_cast<double>(kept_epochs)));
 }
 
-void fill(MonteCarloRun& run, const settings::ScenarioConfig& scenario, const settings::SettingList& over, double step) {
+void fill(MonteCarloRun& run, const settings::ScenarioConfig& scenario, const settings::SettingList& over, double step,
+          const sim::ExactFlight* flown) {
     WarningLog unheard;
-    solution::ResultBundle bundle = solution::simulated_bundle(scenario, over, unheard);
+    solution::ResultBundle bundle = solution::simulated_bundle(scenario, over, unheard, nullptr, flown);
     solution::fuse_and_evaluate(bundle, unheard, scenario.sim.reference_rate, {});
     const settings::Config& c = bundle.data.config;
     run.scheme = settings::scheme_name(c.scheme);
@@ -78,12 +79,13 @@ void fill(MonteCarloRun& run, const settings::ScenarioConfig& scenario, const se
 }
 
 /// Settings without effect on the scenario: run once more, so that the result does not depend on the runs made here.
-std::vector<solution::Ignored> without_effect(const settings::ScenarioConfig& scenario, const settings::SettingList& over) {
+std::vector<solution::Ignored> without_effect(const settings::ScenarioConfig& scenario, const settings::SettingList& over,
+                                              const sim::ExactFlight* flown) {
     const std::set<std::string> asked = settings::keys_of_processing(scenario, over);
     if (asked.empty()) return {};
     WarningLog unheard;
     try {
-        solution::ResultBundle bundle = solution::simulated_bundle(scenario, over, unheard);
+        solution::ResultBundle bundle = solution::simulated_bundle(scenario, over, unheard, nullptr, flown);
         solution::fuse_and_evaluate(bundle, unheard, scenario.sim.reference_rate, {});
         bundle.command = "montecarlo";
         return solution::ignored_of(bundle, asked);
@@ -163,11 +165,20 @@ private:
     double cost_ = 0.0;
 };
 
+/// True unless a key of the path varies. A run compares its path anyway: this only spares flights that no run would use.
+bool same_path(const std::vector<Variation>& vary) {
+    return std::ranges::none_of(vary, [](const Variation& v) {
+        return v.key.starts_with("trajectory.") || v.key.starts_with("earth.") || v.key == "duration_s" ||
+               v.key == "reference_rate_hz" || v.key == "imu.rate_hz";
+    });
+}
+
 struct Flights {
     const CampaignRequest& request;
     const settings::ScenarioConfig& scenario;
     const settings::SettingList &base, &over;
     double step;
+    std::shared_ptr<const sim::ExactFlight> flown;  ///< of the scenario, or null; runs that fly another path make their own
 
     [[nodiscard]] MonteCarloRun fly(std::uint64_t k) const {
         MonteCarloRun run;
@@ -176,7 +187,7 @@ struct Flights {
         run.point = grid_point(scenario.vary, k);
         try {
             const settings::SettingList settings = settings_of_run(base, scenario.vary, run.seed, k, run.drawn);
-            fill(run, settings::scenario_from(settings), over, step);
+            fill(run, settings::scenario_from(settings), over, step, flown.get());
         } catch (const Error& e) {
             if (k == request.first && e.kind() == ErrorKind::Input) throw;
             run.failure = e.what();
@@ -314,14 +325,17 @@ MonteCarlo montecarlo(const CampaignRequest& request) {
     if (request.team) request.team->wait();  // no process writes before process 0 has adopted the previous files
     part.begin();
     const std::uint64_t before = part.done().count();
-    const Flights flights{request, scenario, base, over, empty.epoch_step};
+    const Flights flights{
+        request, scenario,         base,
+        over,    empty.epoch_step, same_path(scenario.vary) && mc.runs > 1 ? sim::exact_flight(scenario.sim) : nullptr};
     std::optional<WorkList> list;
     if (rank == 0) list.emplace(part.done(), mc.first, end, request.team ? static_cast<std::size_t>(request.team->size()) : 1000);
     try {
         work(flights, part, list ? &*list : nullptr, request.team.get(), mc.runs);
     } catch (const Error& e) {
         // Nothing to continue with: no run was done, or settings that no run can have were found in the first.
-        const bool settings = e.kind() == ErrorKind::Input && before == 0 && !part.done().contains(mc.first);
+        const bool disk = e.place().file.starts_with(mc.folder.string());
+        const bool settings = e.kind() == ErrorKind::Input && !disk && before == 0 && !part.done().contains(mc.first);
         if (part.done().count() == 0 || settings) {
             if (!request.team) CampaignPart::remove_from(mc.folder);
             throw;
@@ -352,7 +366,7 @@ MonteCarlo montecarlo(const CampaignRequest& request) {
         throw computation_error(fmt::format("no run went through; the first one: {}", first.reason),
                                 fmt::format("try `schuler run` with --seed {}", first.seed));
     }
-    mc.ignored = without_effect(scenario, over);
+    mc.ignored = without_effect(scenario, over, flights.flown.get());
     mc.wall_s = solution::seconds_since(begin);
     return mc;
 }

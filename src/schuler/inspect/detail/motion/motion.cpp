@@ -57,11 +57,17 @@ double GnssSeries::speed(std::size_t k) const {
 }
 
 ImuSeries imu_series(const std::vector<ImuSample>& samples, ImuKind kind, Time origin) {
+    return imu_series(
+        samples.size(), [&](std::size_t i) { return samples[i]; }, kind, origin);
+}
+
+ImuSeries imu_series(std::size_t count, const std::function<ImuSample(std::size_t)>& sample_at, ImuKind kind, Time origin) {
     ImuSeries s;
-    s.t.reserve(samples.size());
-    s.w.reserve(samples.size());
-    s.f.reserve(samples.size());
-    for (const ImuSample& sample : samples) {
+    s.t.reserve(count);
+    s.w.reserve(count);
+    s.f.reserve(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        const ImuSample sample = sample_at(i);
         const double t = (sample.time - origin).seconds();
         if (!sample.gyro.allFinite() || !sample.accel.allFinite()) continue;
         if (!s.t.empty() && t <= s.t.back()) continue;

@@ -5,6 +5,8 @@
 
 #include <Eigen/Core>
 
+#include <cstddef>
+#include <functional>
 #include <vector>
 
 namespace schuler::inspect::detail {
@@ -37,6 +39,9 @@ struct GnssSeries {
 
 /// Seconds since `origin`. Increments are divided by the interval from the previous row.
 [[nodiscard]] ImuSeries imu_series(const std::vector<ImuSample>& samples, ImuKind kind, Time origin);
+/// The same from `count` samples in order of time that are nowhere together: sample(k).
+[[nodiscard]] ImuSeries imu_series(std::size_t count, const std::function<ImuSample(std::size_t)>& sample, ImuKind kind,
+                                   Time origin);
 [[nodiscard]] GnssSeries gnss_series(const std::vector<GnssFix>& fixes, Time origin);
 
 /// Index of the last time not after t (0 if t is before the first).

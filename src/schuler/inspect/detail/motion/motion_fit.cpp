@@ -1,5 +1,6 @@
 #include "schuler/inspect/detail/motion/motion_fit.h"
 
+#include "schuler/core/parallel.h"
 #include "schuler/inspect/detail/motion/preintegration.h"
 #include "schuler/math/rotation.h"
 
@@ -8,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <span>
 
@@ -273,15 +275,32 @@ Eigen::Vector3d median_of(const std::vector<Window>& windows, int block) {
     return result;
 }
 
-void collect_pointings(const ImuSeries& imu, const Window& w, double lag, double gravity, MotionFit& fit) {
-    const WindowModel model(imu, w, gravity);
+std::vector<Pointing> pointings_of(const WindowModel& model, const Window& w, double lag) {
+    std::vector<Pointing> pointings;
     for (const Observation& o : w.seen) {
         const double speed = o.v.head<2>().norm();
         if (speed < pointing_speed) continue;
         const Eigen::Matrix3d C_ns = w.C_ns0 * model.path().rotation_at(0.5 * (o.begin + o.end) - lag);
         const Eigen::Vector3d travel = C_ns.transpose() * o.v.normalized();
-        fit.pointings.push_back({0.5 * (o.begin + o.end), speed, travel, C_ns.row(2).transpose(), C_ns});
+        pointings.push_back({0.5 * (o.begin + o.end), speed, travel, C_ns.row(2).transpose(), C_ns});
     }
+    return pointings;
+}
+
+/// So many windows tell as much as more of them; they are taken from the whole log.
+constexpr std::size_t most_windows = 1000;
+
+void thin_out(std::vector<Window>& windows) {
+    if (windows.size() <= most_windows) return;
+    for (std::size_t i = 1; i < most_windows; ++i)
+        if (const std::size_t from = i * windows.size() / most_windows; from != i) windows[i] = std::move(windows[from]);
+    windows.resize(most_windows);
+}
+
+/// work(k) for each window, by all cores: windows know nothing of each other.
+void for_each_window(const std::vector<Window>& windows, const std::function<void(std::size_t)>& work) {
+    constexpr std::size_t few = 8;  // less time than starting threads
+    for_each_run(windows.size(), windows.size() < few ? 1 : 0, work, {});
 }
 
 }  // namespace
@@ -297,6 +316,7 @@ MotionFit fit_motion(const ImuSeries& imu, const GnssSeries& gnss, FitSource sou
     fit.window_length = window_length;
     const std::vector<Observation> all = observations(gnss, source);
     std::vector<Window> windows = windows_of(imu, all, 0.4, window_length);
+    thin_out(windows);
     fit.windows = static_cast<int>(windows.size());
     if (windows.size() < 3) return fit;
 
@@ -305,41 +325,45 @@ MotionFit fit_motion(const ImuSeries& imu, const GnssSeries& gnss, FitSource sou
         prior_about(gyro_bias, none, bias_known ? 2.0 * sigma_gyro_bias : sigma_gyro_bias_first, 2.0 * sigma_accel_bias);
     double lag = 0.1;
     for (int pass = 0; pass < 2; ++pass) {
-        for (Window& w : windows) fit_window(imu, w, lag, prior, gravity);
+        for_each_window(windows, [&](std::size_t k) { fit_window(imu, windows[k], lag, prior, gravity); });
         fit.gyro_bias = median_of(windows, at_gyro);
         fit.accel_bias = median_of(windows, at_accel);
         prior = prior_about(fit.gyro_bias, fit.accel_bias, sigma_gyro_bias, sigma_accel_bias);
-        std::vector<std::vector<double>> horizontal, down;
+        std::vector<std::vector<double>> horizontal(windows.size()), down(windows.size());
+        for_each_window(windows, [&](std::size_t k) {
+            Curves curves = scan(imu, windows[k], prior, gravity);
+            horizontal[k] = std::move(curves.horizontal);
+            down[k] = std::move(curves.down);
+        });
         fit.curves.clear();
-        for (const Window& w : windows) {
-            Curves curves = scan(imu, w, prior, gravity);
-            fit.curves.push_back({0.5 * (w.seen.front().begin + w.seen.back().end), curves.horizontal});
-            horizontal.push_back(std::move(curves.horizontal));
-            down.push_back(std::move(curves.down));
-        }
+        for (std::size_t k = 0; k < windows.size(); ++k)
+            fit.curves.push_back({0.5 * (windows[k].seen.front().begin + windows[k].seen.back().end), horizontal[k]});
         fit.horizontal = agree(first_lag, lag_step, horizontal);
         fit.down = agree(first_lag, lag_step, down);
         if (fit.horizontal.found) lag = fit.horizontal.at;
     }
-    std::vector<double> rms, motion;
-    Eigen::Vector3d residual;
-    Rows H;
-    for (Window& w : windows) {
+    std::vector<std::vector<Pointing>> pointings(windows.size());
+    for_each_window(windows, [&](std::size_t k) {
+        Window& w = windows[k];
         fit_window(imu, w, lag, prior, gravity);
         const WindowModel model(imu, w, gravity);
+        Eigen::Vector3d residual;
+        Rows H;
         double sum = 0.0;
         for (const Observation& o : w.seen) {
             model.row(o, lag, residual, H);
             sum += residual.head<2>().squaredNorm();
         }
         w.rms = std::sqrt(sum / static_cast<double>(w.seen.size()));
+        // The row sigma is an assumption: the residuals correct the heading uncertainty.
+        if (w.heading_sigma * std::max(0.3, w.rms / sigma_horizontal) < 0.05) pointings[k] = pointings_of(model, w, lag);
+    });
+    std::vector<double> rms, motion;
+    for (const Window& w : windows) {
         rms.push_back(w.rms);
         motion.push_back(w.motion);
-        // The row sigma is an assumption: the residuals correct the heading uncertainty.
-        if (w.heading_sigma * std::max(0.3, w.rms / sigma_horizontal) < 0.05) {
-            collect_pointings(imu, w, lag, gravity, fit);
-        }
     }
+    for (const std::vector<Pointing>& p : pointings) fit.pointings.insert(fit.pointings.end(), p.begin(), p.end());
     fit.rms = median(std::move(rms));
     fit.motion = median(std::move(motion));
     return fit;
