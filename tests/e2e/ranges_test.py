@@ -1,7 +1,10 @@
 """Ranges from outside: the triad of paper D, schemes with few satellites, stations from a receiver's log."""
 import json
 import math
+import os
 import re
+import shutil
+import sys
 from pathlib import Path
 
 from program_test import check, main
@@ -170,11 +173,30 @@ def ranges_car(program, source):
         check(low < mean < high, f"NEES {block}: {mean}, {low} to {high}")
 
 
+def ranges_real(program, source):
+    """A receiver's log beside the unit's, nothing said: its raw measurements serve the tight filter, and are watched for faults."""
+    walk = Path(os.environ.get("SCHULER_DATA", source.parent / "shared/data")) / "walk_0827"
+    if not walk.is_dir():
+        print(f"skipped: {walk} is not there (set SCHULER_DATA)")
+        sys.exit(77)
+    folder = Path(program.folder) / "walk"
+    folder.mkdir()
+    for name in ("imu.csv", "gnss.ubx"):
+        shutil.copy(walk / name, folder)
+    program("process", "walk", "--scheme", "tight", "--self-check", "off", "-o", "out")
+    done = json.loads((Path(program.folder) / "out/summary.json").read_text())
+    check(done["gnss"]["accepted"] > 500 and done["gnss"]["rejected"] < 20, f"{done['gnss']}")
+    check("protection" in (Path(program.folder) / "out/config.toml").read_text() and (Path(program.folder) / "out/protection.csv").exists(), "not watched")
+    program("process", "walk", "--scheme", "tight", "--self-check", "off", "-o", "out", "--outage", "40:10")
+    done = json.loads((Path(program.folder) / "out/summary.json").read_text())
+    check(done["gnss"]["withheld"] > 30, f"an outage withholds: {done['gnss']}")
+
+
 def table(path):
     """Rows of a CSV file without its head."""
     return [line.split(",") for line in path.read_text().splitlines()[1:]]
 
 
 if __name__ == "__main__":
-    main({"ranges_triad": ranges_triad, "ranges_schemes": ranges_schemes, "ranges_studies": ranges_studies,
+    main({"ranges_triad": ranges_triad, "ranges_schemes": ranges_schemes, "ranges_real": ranges_real, "ranges_studies": ranges_studies,
           "ranges_protection": ranges_protection, "ranges_adsb": ranges_adsb, "ranges_car": ranges_car})

@@ -148,6 +148,37 @@ TEST(FaultWatch, FreesTheSolutionOfASlowRamp) {
     }
 }
 
+/// The smoother cannot take a fault out of the past: the source is left out of the run.
+TEST(FaultWatch, IsAskedBeforeSmoothing) {
+    Flight f = flight();
+    f.settings.smooth = true;
+    const auto error = [&](WarningLog& heard) {
+        const Result result = run_filter(f.recording, f.settings, heard);
+        double out = 0.0;
+        for (const SolutionRow& row : result.smoothed.rows) {
+            const auto k = static_cast<std::size_t>(std::llround(row.time.seconds()));
+            if (k < f.recording.reference.size())
+                out = std::max(out,
+                               earth::ned_difference(f.earth, row.position, f.recording.reference[k].position).head<2>().norm());
+        }
+        EXPECT_GT(result.smoothed.rows.size(), 100U);
+        return out;
+    };
+    WarningLog unheard, heard, again;
+    const double healthy = error(unheard);
+    for (const RangeEpoch& e : f.recording.ranges.epochs)
+        for (std::size_t i = e.first; e.time.seconds() > 30.0 && i < e.first + e.count; ++i)
+            if (f.recording.ranges.samples[i].source == 2)
+                f.recording.ranges.samples[i].pseudorange += 2.0 * (e.time.seconds() - 30.0);
+    const double spoilt = error(unheard);
+    f.settings.ranging.protection.before_smoothing = true;
+    EXPECT_LT(error(heard), healthy + 2.0);
+    EXPECT_GT(spoilt, healthy + 5.0) << "a fault that does no harm proves nothing";
+    EXPECT_EQ(std::ranges::count_if(heard.topics(), [](const std::string& t) { return t.starts_with("ranges.fault."); }), 1);
+    f.recording.ranges = flight().recording.ranges;
+    EXPECT_NEAR(error(again), healthy, 1e-9) << "of healthy ranges all are used";
+}
+
 /// One state measured once: levels in closed form.
 TEST(FaultWatch, LevelsOfOneScalar) {
     FaultWatch watch;

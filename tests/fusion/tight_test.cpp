@@ -175,6 +175,15 @@ TEST(TightFilter, OneAndTwoFaultySatellitesAreLeftOut) {
     }
 }
 
+/// A step in one range that is taken for its slow error after a while stays there: an error that were to decay in ten minutes as that
+/// of the atmosphere does would be taken for a motion of half a metre a second.
+TEST(TightFilter, ALearntFaultDoesNotDecay) {
+    Flight f = flight();
+    const double healthy = largest_error(f, run(f), 30.0);
+    spoil(f.recording.ranges, 2, 30.0, 300.0);
+    EXPECT_LT(largest_error(f, run(f), 30.0), healthy + 2.0);
+}
+
 /// A source that was not heard has not disagreed: one false range when it is back leaves its slow error as it was.
 TEST(TightFilter, SilenceDoesNotSpeakAgainstASource) {
     constexpr std::uint16_t source = 2;

@@ -7,6 +7,7 @@
 #include "schuler/io/rinex/rinex.h"
 
 #include <chrono>
+#include <system_error>
 
 namespace schuler::io {
 namespace {
@@ -37,6 +38,8 @@ RawFormat raw_format(const std::filesystem::path& file) {
 }
 
 RawInput read_raw_input(const std::filesystem::path& file, std::optional<Time> near, WarningLog& warnings) {
+    if (std::error_code none; !std::filesystem::exists(file, none))
+        throw input_error("does not exist", {file.string(), 0, 0, {}}, "check its name and folder");
     const TextInput input(file);
     switch (raw_format(file)) {
         case RawFormat::RinexObservations: return {read_rinex_observations(input, warnings).log, {}, {}};

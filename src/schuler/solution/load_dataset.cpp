@@ -8,9 +8,11 @@
 #include "schuler/dataset/ranges.h"
 #include "schuler/dataset/read_files.h"
 #include "schuler/dataset/time_axis.h"
+#include "schuler/io/raw_input.h"
 #include "schuler/io/text/csv/csv_events.h"
 #include "schuler/math/rotation.h"
 #include "schuler/settings/config/config.h"
+#include "schuler/settings/facts.h"
 #include "schuler/settings/magnetometer_axes.h"
 #include "schuler/solution/load_ranges.h"
 
@@ -67,10 +69,35 @@ void take_stated(const dataset::ReadFiles& files, settings::Config& c) {
     if (sea_level && c.filter.gnss.height == fusion::HeightKind::Ellipsoidal) c.filter.gnss.height = fusion::HeightKind::Msl;
 }
 
+/// A receiver's log from which the fixes come may contain its raw measurements too.
+void take_observations_of_fixes(const fs::path& folder, LoadedDataset& out) {
+    settings::Config& c = out.config;
+    if (!c.raw.observations.empty() || c.gnss.file.empty()) return;
+    const fs::path file = folder / c.gnss.file;
+    std::error_code none;
+    if (!fs::is_regular_file(file, none)) return;
+    const io::RawFormat format = io::raw_format(file);
+    if (format != io::RawFormat::Ubx && format != io::RawFormat::Novatel) return;
+    try {
+        WarningLog unheard;  // heard when the ranges are read
+        if (io::read_raw_input(file, {}, unheard).observations.epochs.empty()) return;
+    } catch (const Error&) {
+        return;  // the reader of the fixes has said what there is to say
+    }
+    c.raw.observations = {c.gnss.file};
+    Fact fact;
+    fact.key = "gnss.observations";
+    fact.value = settings::fact_value_of(*settings::config_table().find(fact.key)->get(c));
+    fact.note = "the log of the fixes has raw measurements too";
+    out.facts.push_back(std::move(fact));
+}
+
 /// Ranges, and fixes from them if there are no others.
 void read_ranges(const fs::path& folder, LoadedDataset& out, WarningLog& warnings) {
     settings::Config& c = out.config;
     const bool csv = !c.ranges.file.empty();
+    if (!csv && (c.scheme == settings::Scheme::Tight || c.scheme == settings::Scheme::Intermediate))
+        take_observations_of_fixes(folder, out);
     if (!csv &&
         (c.raw.observations.empty() || (c.scheme != settings::Scheme::Tight && c.scheme != settings::Scheme::Intermediate)))
         return;
