@@ -69,7 +69,7 @@ page() { [ ! -f "$work/docs/$1" ] || printf '      - "%s": %s\n' "$2" "$1"; }
         page "${p%%:*}" "${p#*:}"
     done
     echo '  - Background:'
-    for p in "theory.md:Theory" "math.md:Formulas" "estimation.md:Estimation" "conventions.md:Conventions" "results.md:Results" "glossary.md:Glossary" \
+    for p in "theory.md:Theory" "math.md:Formulas" "estimation.md:Estimation" "conventions.md:Conventions" "results.md:Results" "speed.md:Speed" "glossary.md:Glossary" \
         "architecture.md:Architecture" "trust.md:Trust" "security.md:Security" "contributing.md:Contributing" "changelog.md:Changelog"; do
         page "${p%%:*}" "${p#*:}"
     done

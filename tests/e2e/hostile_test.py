@@ -93,7 +93,7 @@ def together(program, _):
     for target in ("result", "fresh"):
         done = subprocess.run([program.path, "run", "brief.toml", "--seed", "5", "--output-rate", "0", "-o", target, "--quiet"], cwd=folder,
                               capture_output=True, text=True, timeout=60, preexec_fn=cut)
-        check(done.returncode == 1, f"a full disk is a failure: {done.returncode} {done.stderr}")
+        check(done.returncode == 2, f"a full disk is a failure: {done.returncode} {done.stderr}")
         check(len(done.stderr.strip().split("\n")) == 1 and "disk" in done.stderr, f"in one line: {done.stderr}")
     check(files(folder / "result") == before, "the older run's files are whole")
     check(not list((folder / "result").glob(".*part*")), "nothing is left behind")

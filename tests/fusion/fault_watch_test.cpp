@@ -157,7 +157,7 @@ TEST(FaultWatch, IsAskedBeforeSmoothing) {
         double out = 0.0;
         for (const SolutionRow& row : result.smoothed.rows) {
             const auto k = static_cast<std::size_t>(std::llround(row.time.seconds()));
-            if (k < f.recording.reference.size())
+            if (k < f.recording.reference.size() && std::abs(row.time.seconds() - static_cast<double>(k)) < 1e-6)
                 out = std::max(out,
                                earth::ned_difference(f.earth, row.position, f.recording.reference[k].position).head<2>().norm());
         }
@@ -168,8 +168,10 @@ TEST(FaultWatch, IsAskedBeforeSmoothing) {
     const double healthy = error(unheard);
     for (const RangeEpoch& e : f.recording.ranges.epochs)
         for (std::size_t i = e.first; e.time.seconds() > 30.0 && i < e.first + e.count; ++i)
-            if (f.recording.ranges.samples[i].source == 2)
-                f.recording.ranges.samples[i].pseudorange += 2.0 * (e.time.seconds() - 30.0);
+            if (RangeSample& m = f.recording.ranges.samples[i]; m.source == 2) {
+                m.pseudorange += 0.3 * (e.time.seconds() - 30.0);
+                m.range_rate += 0.3;
+            }
     const double spoilt = error(unheard);
     f.settings.ranging.protection.before_smoothing = true;
     EXPECT_LT(error(heard), healthy + 2.0);

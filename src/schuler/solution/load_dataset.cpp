@@ -9,6 +9,7 @@
 #include "schuler/dataset/read_files.h"
 #include "schuler/dataset/time_axis.h"
 #include "schuler/io/raw_input.h"
+#include "schuler/io/streams.h"
 #include "schuler/io/text/csv/csv_events.h"
 #include "schuler/math/rotation.h"
 #include "schuler/settings/config/config.h"
@@ -73,7 +74,7 @@ void take_stated(const dataset::ReadFiles& files, settings::Config& c) {
 void take_observations_of_fixes(const fs::path& folder, LoadedDataset& out) {
     settings::Config& c = out.config;
     if (!c.raw.observations.empty() || c.gnss.file.empty()) return;
-    const fs::path file = folder / c.gnss.file;
+    const fs::path file = io::stream_path(folder / c.gnss.file).file;  // "u.ubx#gnss" is a table of u.ubx
     std::error_code none;
     if (!fs::is_regular_file(file, none)) return;
     const io::RawFormat format = io::raw_format(file);
@@ -84,7 +85,7 @@ void take_observations_of_fixes(const fs::path& folder, LoadedDataset& out) {
     } catch (const Error&) {
         return;  // the reader of the fixes has said what there is to say
     }
-    c.raw.observations = {c.gnss.file};
+    c.raw.observations = {fs::path(c.gnss.file).parent_path().append(file.filename().string()).string()};
     Fact fact;
     fact.key = "gnss.observations";
     fact.value = settings::fact_value_of(*settings::config_table().find(fact.key)->get(c));
