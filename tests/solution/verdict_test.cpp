@@ -26,6 +26,7 @@ TEST(Verdict, NothingIsTrustedWithoutEvidence) {
 }
 
 TEST(Verdict, TopicsAreFoundByWhatTheyBeginWith) {
+    EXPECT_EQ(gravity_of("ranges.fault.G05"), Gravity::Care);
     EXPECT_EQ(gravity_of("contradiction.imu.axes"), Gravity::Care);
     EXPECT_EQ(gravity_of("self_check.widened"), Gravity::None);
     EXPECT_EQ(gravity_of("a file: something was taken with a grain of salt"), Gravity::None);

@@ -34,6 +34,7 @@ constexpr std::array table{
     Row{"gnss.explained", Gravity::Care},        // by larger receiver errors than assumed
     Row{"gnss.alert", Gravity::Care},            // the receiver was considered faulty
     Row{"gnss.jump", Gravity::Care},             // its positions moved to another level
+    Row{"ranges.fault", Gravity::Care},          // a satellite or station was found faulty and left out
     Row{"navigation.lost", Gravity::Care},       // attitude and biases were re-estimated
     Row{"navigation.realigned", Gravity::Care},  // all of the initial state as well
     // about the other instruments
