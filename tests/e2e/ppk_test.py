@@ -162,6 +162,8 @@ heading_deg = 30
     print(f"loose, at rest: {1e3 * max(late):.1f} mm at most")
     check(max(late) < 0.02, f"{max(late)} m")
     check((Path(program.folder) / "out/carrier.csv").is_file(), "carrier.csv is there too")
+    told = program("process", name, "--scheme", "tight", "-o", "out", "--self-check", "off").stderr
+    check("choose --scheme loose to use them" in told, f"tight coupling does not use the base's phases: {told}")
 
 
 if __name__ == "__main__":
