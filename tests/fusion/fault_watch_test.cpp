@@ -173,7 +173,7 @@ TEST(FaultWatch, IsAskedBeforeSmoothing) {
                 m.range_rate += 0.3;
             }
     const double spoilt = error(unheard);
-    f.settings.ranging.protection.before_smoothing = true;
+    f.settings.ranging.protection.use = true;
     EXPECT_LT(error(heard), healthy + 2.0);
     EXPECT_GT(spoilt, healthy + 5.0) << "a fault that does no harm proves nothing";
     EXPECT_EQ(std::ranges::count_if(heard.topics(), [](const std::string& t) { return t.starts_with("ranges.fault."); }), 1);

@@ -13,9 +13,6 @@ namespace schuler::filter {
 /// level without an alarm with a probability of at most `missed_detection` at an epoch; without a fault, `fault_free`.
 struct ProtectionSettings {
     bool use = false;
-    /// For the smoother, which cannot take a fault out of the past: sources that a filter with this monitor finds faulty are left out
-    /// of the whole run.
-    bool before_smoothing = false;
     double missed_detection = 1e-3;  ///< as in RAIM [RTCA229]
     double false_alarm = 1e-7;       ///< of one test of a fault-free source; about ten tests per source and epoch
     double fault_free = 1e-7;

@@ -36,8 +36,6 @@ const char* unsmoothable(const Settings& s) {
         return "with aggressive coupling, which uses a fix in parts";
     if (considers(s)) return "with gnss.consider_errors, whose gains are not those of a filter";
     if (s.integrity.use && !uses_ranges(s.coupling)) return "with integrity control, which goes back to an older solution";
-    if (s.ranging.protection.use && uses_ranges(s.coupling))
-        return "with filter.protection, which takes a fault out of the estimate";
     return nullptr;
 }
 
@@ -170,20 +168,19 @@ void tell_faults(const Result& result, const Recording& recording, WarningLog& w
     }
 }
 
-/// The recording without the ranges of sources that a filter with the fault watch finds faulty, empty if there are none: the smoother
-/// cannot take a fault out of the past.
-std::optional<Recording> without_faulty_ranges(const RunData& data, const Settings& given, const Start& start,
-                                               const PassOptions& options, WarningLog& warnings) {
+/// The ranges without those of sources that a filter with the fault watch finds faulty, empty if there are none: the smoother cannot take
+/// a fault out of the past. Adds the levels of that filter to `protection`.
+std::optional<RangingLog> without_faulty_sources(const RunData& data, Settings settings, const Start& start, PassOptions options,
+                                                 std::vector<ProtectionRow>& protection, WarningLog& warnings) {
     const Recording& recording = *data.recording;
-    Settings settings = given;
-    settings.smooth = settings.backward = false;
-    settings.ranging.protection.use = true;
-    PassOptions forward;
-    forward.last_increment = options.last_increment;
-    const Result watched = settings.coupling == Coupling::Intermediate ? run_intermediate_pass(data, settings, start, forward)
-                                                                       : run_pass(data, settings, start, forward);
+    settings.smooth = options.smooth = options.outputs = settings.backward = false;
+    options.progress = {};
+    options.rows = {};
+    Result watched = settings.coupling == Coupling::Intermediate ? run_intermediate_pass(data, settings, start, options)
+                                                                 : run_pass(data, settings, start, options);
+    protection = std::move(watched.forward.protection);
     std::map<int, Time> found;
-    for (const ProtectionRow& row : watched.forward.protection)
+    for (const ProtectionRow& row : protection)
         if (row.alarm >= 0) found.try_emplace(row.alarm, row.time);
     if (found.empty()) return std::nullopt;
     for (const auto& [source, when] : found) {
@@ -194,14 +191,12 @@ std::optional<Recording> without_faulty_ranges(const RunData& data, const Settin
                         "whole run, because the smoother cannot take a fault out of the past",
                         name, (when - origin_of(recording)).seconds()));
     }
-    Recording out = recording;
-    out.ranges.samples.clear();
-    for (RangeEpoch& e : out.ranges.epochs) {
-        const auto samples = recording.ranges.of(e);
-        e.first = out.ranges.samples.size();
-        std::ranges::copy_if(samples, std::back_inserter(out.ranges.samples),
+    RangingLog out{recording.ranges.sources, {}, {}};
+    for (const RangeEpoch& e : recording.ranges.epochs) {
+        const std::size_t first = out.samples.size();
+        std::ranges::copy_if(recording.ranges.of(e), std::back_inserter(out.samples),
                              [&](const RangeSample& m) { return !found.contains(m.source); });
-        e.count = out.ranges.samples.size() - e.first;
+        out.epochs.push_back({e.time, first, out.samples.size() - first});
     }
     return out;
 }
@@ -286,10 +281,21 @@ Result run_leg(const Recording& recording, const Settings& given, WarningLog& wa
         data.recording = &live;
         options.receiver = [&](const ReceiverAiding& aiding, Time until) { receiver(aiding, until, live.ranges); };
     }
-    std::optional<Recording> cleaned;
-    if (settings.smooth && settings.ranging.protection.before_smoothing && uses_ranges(settings.coupling) && !receiver)
-        cleaned = without_faulty_ranges(data, settings, start, options, warnings);
-    if (cleaned) data.recording = &*cleaned;
+    const bool watched_first = settings.smooth && settings.ranging.protection.use && uses_ranges(settings.coupling);
+    std::vector<ProtectionRow> protection;
+    Recording cleaned;
+    if (watched_first) {
+        if (receiver)
+            throw input_error(
+                "there is no smoother with filter.protection where a receiver is simulated: it cannot be flown twice",
+                {.file = {}, .key = "filter.smooth"}, "leave out one of them");
+        if (auto healthy = without_faulty_sources(data, settings, start, options, protection, warnings)) {
+            cleaned = recording;
+            cleaned.ranges = std::move(*healthy);
+            data.recording = &cleaned;
+        }
+        settings.ranging.protection.use = false;
+    }
     Result result = settings.coupling == Coupling::Intermediate ? run_intermediate_pass(data, settings, start, options)
                                                                 : run_pass(data, settings, start, options);
     if (settings.backward) result.backward = run_backward(data, settings, start, result.forward);
@@ -310,7 +316,8 @@ Result run_leg(const Recording& recording, const Settings& given, WarningLog& wa
     result.counters.imu_rate = 1.0 / data.imu.median_dt;
     result.counters.longest_imu_gap = longest_gap(data.imu);
     result.legs = {recording.imu.front().time};
-    tell_faults(result, recording, warnings);
+    if (watched_first) result.forward.protection = std::move(protection);
+    else tell_faults(result, recording, warnings);
     constexpr double linear = 1.0 * units::deg;  // its square, in the specific force, is below the biases of a tactical unit
     if (result.open_attitude > linear)
         warnings.add(

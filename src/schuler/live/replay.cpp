@@ -44,6 +44,12 @@ void put(std::string& text, const char* key, const Eigen::Vector3d& v) {
 
 std::string begin(const char* type, Time t) { return fmt::format("{{\"type\":\"{}\",\"time_ns\":{}", type, t.ns); }
 
+/// A sample of one vector.
+std::string line_of(const char* type, Time t, const char* key, const Eigen::Vector3d& v) {
+    std::string text = begin(type, t);
+    put(text, key, v);
+    return text + "}\n";
+}
 std::string line_of(const ImuSample& s) {
     std::string text = begin("imu", s.time);
     put(text, "gyro_rad_s", s.gyro);
@@ -69,11 +75,7 @@ std::string line_of(const BaroSample& s) {
     put(text, "pressure_pa", s.pressure);
     return text + "}\n";
 }
-std::string line_of(const MagSample& s) {
-    std::string text = begin("mag", s.time);
-    put(text, "field_t", s.field_b);
-    return text + "}\n";
-}
+std::string line_of(const MagSample& s) { return line_of("mag", s.time, "field_t", s.field_b); }
 std::string line_of(const OdometerSample& s) {
     std::string text = begin("odometer", s.time);
     put(text, "speed_m_s", s.speed);
@@ -87,16 +89,8 @@ std::string line_of(const HeadingSample& s) {
     return text + "}\n";
 }
 
-std::string line_of(const GaugeSample& s) {
-    std::string text = begin("gauges", s.time);
-    put(text, "height_m", s.height);
-    return text + "}\n";
-}
-std::string line_of(const BodyVelocitySample& s) {
-    std::string text = begin("log", s.time);
-    put(text, "velocity_m_s", s.velocity_b);
-    return text + "}\n";
-}
+std::string line_of(const GaugeSample& s) { return line_of("gauges", s.time, "height_m", s.height); }
+std::string line_of(const BodyVelocitySample& s) { return line_of("log", s.time, "velocity_m_s", s.velocity_b); }
 
 using Pointer = std::variant<const ImuSample*, const GnssFix*, const BaroSample*, const MagSample*, const OdometerSample*,
                              const HeadingSample*, const GaugeSample*, const BodyVelocitySample*>;

@@ -70,40 +70,47 @@ void take_stated(const dataset::ReadFiles& files, settings::Config& c) {
     if (sea_level && c.filter.gnss.height == fusion::HeightKind::Ellipsoidal) c.filter.gnss.height = fusion::HeightKind::Msl;
 }
 
-/// A receiver's log from which the fixes come may contain its raw measurements too.
-void take_observations_of_fixes(const fs::path& folder, LoadedDataset& out) {
-    settings::Config& c = out.config;
-    if (!c.raw.observations.empty() || c.gnss.file.empty()) return;
-    const fs::path file = io::stream_path(folder / c.gnss.file).file;  // "u.ubx#gnss" is a table of u.ubx
+/// The log from which a receiver's fixes come may contain its raw measurements too; empty: none that could.
+std::string log_of_fixes(const fs::path& folder, const std::string& file) {
+    if (file.empty()) return {};
+    const fs::path log = io::stream_path(folder / file).file;  // "u.ubx#gnss" is a table of u.ubx
     std::error_code none;
-    if (!fs::is_regular_file(file, none)) return;
-    const io::RawFormat format = io::raw_format(file);
-    if (format != io::RawFormat::Ubx && format != io::RawFormat::Novatel) return;
-    try {
-        WarningLog unheard;  // heard when the ranges are read
-        if (io::read_raw_input(file, {}, unheard).observations.epochs.empty()) return;
-    } catch (const Error&) {
-        return;  // the reader of the fixes has said what there is to say
+    if (!fs::is_regular_file(log, none)) return {};
+    const io::RawFormat format = io::raw_format(log);
+    if (format != io::RawFormat::Ubx && format != io::RawFormat::Novatel) return {};
+    return fs::path(file).parent_path().append(log.filename().string()).string();
+}
+
+/// Ranges from raw measurements. Those of the log of the fixes need not be named.
+RangingLog read_raw_ranges(const fs::path& folder, LoadedDataset& out, WarningLog& warnings) {
+    settings::Config& c = out.config;
+    if (!c.raw.observations.empty()) return ranges_from_raw(folder, c, out.given, warnings);
+    const std::string file = log_of_fixes(folder, c.gnss.file);
+    if (file.empty()) return {};
+    const settings::Config named = c;
+    const WarningLog heard = warnings;
+    c.raw.observations = {file};
+    RangingLog log = ranges_from_raw(folder, c, out.given, warnings);
+    if (log.empty()) {
+        c = named;
+        warnings = heard;
+        return {};
     }
-    c.raw.observations = {fs::path(c.gnss.file).parent_path().append(file.filename().string()).string()};
     Fact fact;
     fact.key = "gnss.observations";
     fact.value = settings::fact_value_of(*settings::config_table().find(fact.key)->get(c));
     fact.note = "the log of the fixes has raw measurements too";
     out.facts.push_back(std::move(fact));
+    return log;
 }
 
 /// Ranges, and fixes from them if there are no others.
 void read_ranges(const fs::path& folder, LoadedDataset& out, WarningLog& warnings) {
     settings::Config& c = out.config;
     const bool csv = !c.ranges.file.empty();
-    if (!csv && (c.scheme == settings::Scheme::Tight || c.scheme == settings::Scheme::Intermediate))
-        take_observations_of_fixes(folder, out);
-    if (!csv &&
-        (c.raw.observations.empty() || (c.scheme != settings::Scheme::Tight && c.scheme != settings::Scheme::Intermediate)))
-        return;
+    if (!csv && c.scheme != settings::Scheme::Tight && c.scheme != settings::Scheme::Intermediate) return;
     RangingLog& log = out.recording.ranges;
-    log = csv ? dataset::ranges_from_csv(folder, c, warnings) : ranges_from_raw(folder, c, out.given, warnings);
+    log = csv ? dataset::ranges_from_csv(folder, c, warnings) : read_raw_ranges(folder, out, warnings);
     const auto axis = dataset::own_axis(out.recording);
     if (!csv && !log.empty() && axis) {
         const Duration shift =
@@ -112,10 +119,8 @@ void read_ranges(const fs::path& folder, LoadedDataset& out, WarningLog& warning
     }
     if (out.recording.gnss.empty() && c.gnss.file.empty()) take_fixes_from_ranges(out);
     // On a real log nobody knows that every range is healthy.
-    filter::ProtectionSettings& monitor = c.filter.ranging.protection;
-    if (out.given.contains("filter.protection.use") || log.empty() || !uses_ranges(c.filter.coupling)) return;
-    if (!c.filter.smooth) monitor.use = true;
-    else if (!out.given.contains("filter.protection.before_smoothing")) monitor.before_smoothing = true;
+    const bool monitored = !log.empty() && uses_ranges(c.filter.coupling) && !out.given.contains("filter.protection.use");
+    if (monitored) c.filter.ranging.protection.use = true;
 }
 
 /// Converts heights above mean sea level to ellipsoidal ones if the undulation is known.

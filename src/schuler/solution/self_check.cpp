@@ -96,8 +96,6 @@ public:
     /// The withheld fixes of these windows that were not refused in the undisturbed run; `motion` receives the run's rows.
     std::vector<WithheldEpoch> run(fusion::Settings settings, const std::vector<std::size_t>& chosen,
                                    std::vector<SolutionRow>& motion) const {
-        filter::ProtectionSettings& monitor = settings.ranging.protection;
-        monitor.use = monitor.use || (settings.smooth && monitor.before_smoothing);
         settings.smooth = settings.state_rows = settings.covariance_rows = settings.backward = false;
         settings.output_instants.clear();
         settings.output_lever_arm_b.setZero();

@@ -28,8 +28,6 @@ struct Estimate {
 /// The lever arm at the end of a run with it as a state.
 std::optional<Estimate> at_the_end(const LoadedDataset& data, fusion::Settings settings) {
     WarningLog heard;  // already
-    filter::ProtectionSettings& monitor = settings.ranging.protection;
-    monitor.use = monitor.use || (settings.smooth && monitor.before_smoothing);
     settings.smooth = settings.covariance_rows = settings.backward = false;
     settings.state_rows = true;
     settings.output_instants.clear();

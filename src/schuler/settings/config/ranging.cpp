@@ -12,14 +12,11 @@ void add_ranging_options(OptionTable<Config>& table) {
         return [=](auto& c) -> auto& { return c.filter.ranging.protection.*field; };
     };
     table
-        .add(flag<Config>("filter.protection.use",
-                          "tight coupling: monitor for pseudorange faults that no single epoch reveals, and write protection.csv",
-                          protection(&ProtectionSettings::use)))
-        .add(flag<Config>(
-            "filter.protection.before_smoothing",
-            "tight coupling with smoothing: leave out satellites that a filter with this monitor, run first, finds faulty; "
-            "default: on for data sets",
-            protection(&ProtectionSettings::before_smoothing)))
+        .add(
+            flag<Config>("filter.protection.use",
+                         "tight coupling: monitor for pseudorange faults that no single epoch reveals, and write protection.csv; "
+                         "default: on for data sets",
+                         protection(&ProtectionSettings::use)))
         .add(number<Config>(
             "filter.protection.missed_detection", 1.0, 1e-9, 0.1,
             "maximum probability that a fault of one satellite moves the position beyond its protection level without an alarm",
