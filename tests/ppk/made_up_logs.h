@@ -4,7 +4,7 @@
 #include "schuler/earth/ellipsoid.h"
 #include "schuler/gnss/constellation.h"
 #include "schuler/math/random.h"
-#include "schuler/ppk/base_station.h"
+#include "schuler/ppk/air_delay.h"
 #include "schuler/ppk/solve.h"
 
 #include <cmath>

@@ -51,8 +51,8 @@ struct Pair {
         rover_epochs = tracked(rover_log, Side::Rover, plan, source, solver, single.ranges, std::nullopt);
     }
     ArcCounts number() {
-        number_arcs(base_epochs, true, settings.arcs);
-        return number_arcs(rover_epochs, false, settings.arcs);
+        number_arcs(base_epochs, true, settings.arcs, settings.air);
+        return number_arcs(rover_epochs, false, settings.arcs, settings.air);
     }
     [[nodiscard]] BaseStation station() const { return {base_epochs, base, settings.air, settings.base}; }
 };
@@ -231,7 +231,7 @@ TEST(Arcs, FewSatellitesHaveTheirCarriersAndTheirDopplers) {
             s.doppler = 100.0 * static_cast<double>(i);
             s.phase = 2e7 + s.doppler * static_cast<double>(e) + (i == 2 && e >= 4 ? 8.0 * s.wavelength : 0.0);
         }
-    counts = number_arcs(pair.rover_epochs, false, pair.settings.arcs);
+    counts = number_arcs(pair.rover_epochs, false, pair.settings.arcs, pair.settings.air);
     EXPECT_EQ(counts.unexplained, 1U);
     EXPECT_NE(epochs[4].satellites[2].signals[0].arc, epochs[3].satellites[2].signals[0].arc);
 }

@@ -2,8 +2,8 @@
 
 #include "schuler/earth/ellipsoid.h"
 #include "schuler/math/quantile.h"
-
-#include <Eigen/Cholesky>
+#include "schuler/ppk/air_delay.h"
+#include "schuler/ppk/phase_steps.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,73 +17,47 @@ struct Before {
     Time time;
     int arc = 0;          ///< 0: never seen
     double phase = 0;     ///< m
-    double modelled = 0;  ///< m: range minus satellite clock
+    double modelled = 0;  ///< m: range minus satellite clock, with the atmosphere
     double doppler = not_given;
     bool half_cycle = false, jumped = false;
 };
 
 /// A phase continued from the previous epoch.
-struct Step {
+struct Continued {
     TrackedSatellite* satellite;
     std::size_t slot;
-    double grown;  ///< m, growth beyond the satellite's motion and the approximate positions
-    Eigen::Vector3d towards;
-    double sigma;
-    double by_doppler;  ///< m, growth beyond the mean Doppler; NaN
+    PhaseStep step;
     bool use = true;
 };
 
-using Unknowns = Eigen::Vector4d;
-
-double residual(const Step& s, const Unknowns& x) { return s.grown - s.towards.dot(x.head<3>()) - x[3]; }
-
-/// Displacement and clock step with the least absolute residuals: several simultaneous slips do not mask each other.
-std::optional<Unknowns> robust_step(const std::vector<Step>& steps) {
-    Unknowns x = Unknowns::Zero();
-    for (int i = 0; i < 12; ++i) {
-        Eigen::Matrix4d information = Eigen::Matrix4d::Zero();
-        Unknowns right = Unknowns::Zero();
-        for (const Step& s : steps) {
-            Unknowns row;
-            row << s.towards, 1.0;
-            const double w = 1.0 / (s.sigma * (i == 0 ? s.sigma : std::max(s.sigma, std::abs(residual(s, x)))));
-            information += w * row * row.transpose();
-            right += w * s.grown * row;
-        }
-        const Eigen::LDLT<Eigen::Matrix4d> factor(information);
-        if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 1e-9 * factor.vectorD().maxCoeff()))
-            return std::nullopt;
-        const Unknowns next = factor.solve(right);
-        if (!next.allFinite()) return std::nullopt;
-        const bool settled = i > 0 && (next - x).norm() < 1e-4;
-        x = next;
-        if (settled) break;
-    }
-    return x;
-}
-
 class Numbering {
 public:
-    Numbering(bool at_rest, const ArcSettings& settings, double interval)
+    Numbering(bool at_rest, const ArcSettings& settings, const AirModel& air, double interval)
         : at_rest_(at_rest),
           settings_(settings),
+          air_(air),
           gap_(std::max(settings.longest_gap, 1.5 * interval)),
-          before_(gnss::satellite_count) {}
+          before_(gnss::satellite_count),
+          modelled_now_(gnss::satellite_count) {}
 
     void epoch(TrackedEpoch& e) {
         const Geodetic geodetic = earth::geodetic_from_ecef(earth::wgs84, e.position);
-        steps_.clear();
+        continued_.clear();
+        const double dt = (e.tag - time_).seconds();
         for (TrackedSatellite& s : e.satellites) {
             const Line line = line_to(s, e.position, geodetic);
-            const double modelled = line.range - s.clock;
+            const AirDelay delay = air_delay(air_, s, geodetic, line.direction);
             for (std::size_t k = 0; k < most_signals; ++k) {
-                if (!std::isfinite(s.signals[k].phase)) continue;
+                const TrackedSignal& t = s.signals[k];
+                if (!std::isfinite(t.phase)) continue;
+                const double modelled =
+                    line.range - s.clock + delay.troposphere - ionosphere_factor(t.wavelength) * delay.ionosphere;
                 continue_or_begin(e, s, k, modelled, line.towards);
             }
             compare_carriers(e, s);
         }
-        std::erase_if(steps_, [](const Step& s) { return !s.use; });
-        compare_steps((e.tag - time_).seconds());
+        std::erase_if(continued_, [](const Continued& c) { return !c.use; });
+        compare_steps(dt);
         for (TrackedSatellite& s : e.satellites) remember(e, s);
         time_ = e.tag;
     }
@@ -95,14 +69,14 @@ private:
     [[nodiscard]] double sigma(const TrackedSatellite& s, std::size_t k) const {
         return settings_.phase_sigma * gnss::noise_factor(s.direction.elevation, s.signals[k].cn0);
     }
-    /// Possible drift of a phase relative to the model in this time: satellite clock and atmosphere.
+    /// Possible drift of a phase relative to the model in this time: satellite clock and what is left of the atmosphere.
     [[nodiscard]] static double drift(double seconds) { return 0.02 + 0.002 * std::abs(seconds); }
 
     void begin(TrackedSatellite& s, std::size_t k, bool jumped) {
         s.signals[k].arc = ++last_arc_;
         s.signals[k].jumped = jumped;
-        for (Step& step : steps_)
-            if (step.satellite == &s && step.slot == k) step.use = false;
+        for (Continued& c : continued_)
+            if (c.satellite == &s && c.slot == k) c.use = false;
     }
 
     void continue_or_begin(const TrackedEpoch& e, TrackedSatellite& s, std::size_t k, double modelled,
@@ -119,10 +93,11 @@ private:
             counts.told += told && !gap ? 1 : 0;
         } else {
             const double by_doppler = now.phase - b.phase - 0.5 * (now.doppler + b.doppler) * dt;
+            const double grown = now.phase - b.phase - (modelled - b.modelled), noise = sigma(s, k);
             if (b.time == time_)
-                steps_.push_back({&s, k, now.phase - b.phase - (modelled - b.modelled), towards, sigma(s, k), by_doppler});
+                continued_.push_back({&s, k, {gnss::index_of(s.id), grown, towards, noise, drift(dt) + 6.0 * noise, by_doppler}});
         }
-        modelled_now_[gnss::index_of(s.id)] = modelled;
+        modelled_now_[gnss::index_of(s.id)][k] = modelled;
     }
 
     /// The geometry-free combinations with the first carrier.
@@ -143,49 +118,47 @@ private:
     }
 
     void compare_steps(double dt) {
-        if (steps_.empty()) return;
-        std::optional<Unknowns> x;
-        std::size_t satellites = 0;
-        const TrackedSatellite* last = nullptr;
-        for (const Step& s : steps_) {
-            satellites += s.satellite != last ? 1 : 0;
-            last = s.satellite;
-        }
+        if (continued_.empty()) return;
         if (at_rest_) {
-            x = Unknowns::Zero();
-            (*x)[3] = median_of([](const Step& s) { return s.grown; });
-        } else if (constexpr std::size_t enough = 6; satellites >= enough) {
-            x = robust_step(steps_);
-        }
-        if (x) {
-            for (Step& s : steps_) {
-                if (std::abs(residual(s, *x)) <= drift(dt) + 6.0 * s.sigma) continue;
-                begin(*s.satellite, s.slot, true);
-                ++counts.unexplained;
-            }
+            DisplacementAndClock x = DisplacementAndClock::Zero();
+            x[3] = median_of([](const PhaseStep& s) { return s.grown; });
+            for (const Continued& c : continued_)
+                if (!(std::abs(residual(c.step, x)) <= c.step.tolerance)) slipped(c);
             return;
         }
-        compare_with_doppler(dt);
+        std::vector<PhaseStep> steps;
+        std::size_t satellites = 0;
+        for (const Continued& c : continued_) {
+            satellites += steps.empty() || steps.back().satellite != c.step.satellite ? 1 : 0;
+            steps.push_back(c.step);
+        }
+        constexpr std::size_t enough = 6;
+        const auto unbroken = satellites >= enough ? continuity_.kept(steps, dt) : std::nullopt;
+        if (!unbroken) return compare_with_doppler(dt);
+        for (std::size_t i = 0; i < steps.size(); ++i)
+            if ((*unbroken)[i] == 0) slipped(continued_[i]);
+    }
+
+    void slipped(const Continued& c) {
+        begin(*c.satellite, c.slot, true);
+        ++counts.unexplained;
     }
 
     void compare_with_doppler(double dt) {
         constexpr double longest = 1.5;  // s, over which a mean of two Dopplers approximates a vehicle's displacement
-        std::erase_if(steps_, [](const Step& s) { return !std::isfinite(s.by_doppler); });
-        if (steps_.size() < 2 || std::abs(dt) > longest) return;
-        const double clock = median_of([](const Step& s) { return s.by_doppler; });
-        for (const Step& s : steps_) {
-            const TrackedSignal& now = s.satellite->signals[s.slot];
-            const double doppler = settings_.doppler_sigma * s.sigma / settings_.phase_sigma * std::abs(dt);
-            if (std::abs(s.by_doppler - clock) <= 0.7 * now.wavelength + 5.0 * doppler) continue;
-            begin(*s.satellite, s.slot, true);
-            ++counts.unexplained;
+        std::erase_if(continued_, [](const Continued& c) { return !std::isfinite(c.step.by_doppler); });
+        if (continued_.size() < 2 || std::abs(dt) > longest) return;
+        const double clock = median_of([](const PhaseStep& s) { return s.by_doppler; });
+        for (const Continued& c : continued_) {
+            const double doppler = settings_.doppler_sigma * c.step.sigma / settings_.phase_sigma * std::abs(dt);
+            if (std::abs(c.step.by_doppler - clock) > 0.7 * c.satellite->signals[c.slot].wavelength + 5.0 * doppler) slipped(c);
         }
     }
 
     template <class Of>
     double median_of(Of of) const {
         std::vector<double> values;
-        for (const Step& s : steps_) values.push_back(of(s));
+        for (const Continued& c : continued_) values.push_back(of(c.step));
         return math::median(std::move(values));
     }
 
@@ -193,17 +166,19 @@ private:
         for (std::size_t k = 0; k < most_signals; ++k) {
             const TrackedSignal& now = s.signals[k];
             if (now.arc == 0) continue;
-            before(s, k) = {e.tag,       now.arc,        now.phase, modelled_now_[gnss::index_of(s.id)],
+            before(s, k) = {e.tag,       now.arc,        now.phase, modelled_now_[gnss::index_of(s.id)][k],
                             now.doppler, now.half_cycle, now.jumped};
         }
     }
 
     bool at_rest_;
     ArcSettings settings_;
+    AirModel air_;
     double gap_;
     std::vector<std::array<Before, most_signals>> before_;
-    std::array<double, gnss::satellite_count> modelled_now_{};
-    std::vector<Step> steps_;
+    std::vector<std::array<double, most_signals>> modelled_now_;
+    std::vector<Continued> continued_;
+    PhaseContinuity continuity_;
     Time time_;
     int last_arc_ = 0;
 };
@@ -218,8 +193,8 @@ double usual_interval(const std::vector<TrackedEpoch>& epochs) {
 
 }  // namespace
 
-ArcCounts number_arcs(std::vector<TrackedEpoch>& epochs, bool at_rest, const ArcSettings& settings) {
-    Numbering numbering(at_rest, settings, usual_interval(epochs));
+ArcCounts number_arcs(std::vector<TrackedEpoch>& epochs, bool at_rest, const ArcSettings& settings, const AirModel& air) {
+    Numbering numbering(at_rest, settings, air, usual_interval(epochs));
     for (TrackedEpoch& e : epochs) numbering.epoch(e);
     return numbering.counts;
 }

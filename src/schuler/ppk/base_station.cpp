@@ -1,6 +1,7 @@
 #include "schuler/ppk/base_station.h"
 
 #include "schuler/earth/ellipsoid.h"
+#include "schuler/ppk/air_delay.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,22 +18,6 @@ const BaseSatellite* find(const std::vector<BaseSatellite>& satellites, Satellit
 }
 
 }  // namespace
-
-AirDelay air_delay(const AirModel& model, const TrackedSatellite& s, const Geodetic& receiver, gnss::Direction direction) {
-    AirDelay out;
-    if (model.troposphere)
-        out.troposphere = gnss::troposphere_delay(gnss::saastamoinen_zenith(receiver, model.relative_humidity), model.mapping,
-                                                  s.transmit, receiver, direction.elevation);
-    if (model.ionosphere)
-        out.ionosphere =
-            gnss::ionospheric_delay(*model.ionosphere, s.id.system, gnss::l1_frequency, s.transmit, receiver, direction).delay;
-    return out;
-}
-
-double ionosphere_factor(double wavelength) {
-    const double ratio = wavelength * gnss::l1_frequency / gnss::speed_of_light;
-    return ratio * ratio;
-}
 
 BaseStation::BaseStation(const std::vector<TrackedEpoch>& epochs, const Ecef& position, const AirModel& air,
                          const BaseSettings& settings)

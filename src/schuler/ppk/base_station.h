@@ -9,15 +9,6 @@
 
 namespace schuler::ppk {
 
-/// Tropospheric delay, and ionospheric delay on L1 (delays codes, advances phases; other carriers by 1/f^2), m.
-struct AirDelay {
-    double troposphere = 0, ionosphere = 0;
-};
-[[nodiscard]] AirDelay air_delay(const AirModel& model, const TrackedSatellite& satellite, const Geodetic& receiver,
-                                 gnss::Direction direction);
-/// Ionospheric delay of a carrier as a multiple of that on L1.
-[[nodiscard]] double ionosphere_factor(double wavelength);
-
 /// A signal at the base: measured minus modelled range, m: clocks, errors shared with the rover, ambiguity and noise.
 struct BaseSignal {
     double code = not_given, phase = not_given;

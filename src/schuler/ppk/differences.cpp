@@ -1,6 +1,7 @@
 #include "schuler/ppk/differences.h"
 
 #include "schuler/earth/ellipsoid.h"
+#include "schuler/ppk/air_delay.h"
 
 #include <algorithm>
 #include <cmath>

@@ -205,8 +205,8 @@ Solution solve(const Input& input, const Settings& settings, WarningLog& warning
     if (rover.empty())
         throw input_error("no epoch has a single-point solution to begin with", {input.rover_name, 0, 0, "gnss.observations"},
                           "are the navigation files of the same day, and the systems right?");
-    out.base_arcs = number_arcs(base, true, settings.arcs);
-    out.rover_arcs = number_arcs(rover, false, settings.arcs);
+    out.base_arcs = number_arcs(base, true, settings.arcs, settings.air);
+    out.rover_arcs = number_arcs(rover, false, settings.arcs, settings.air);
     const BaseStation station(base, out.base, settings.air, settings.base);
     base = {};
     for (const TrackedEpoch& e : rover) out.longest_baseline = std::max(out.longest_baseline, (e.position.r - out.base.r).norm());
