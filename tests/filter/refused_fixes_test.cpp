@@ -72,7 +72,7 @@ TEST(RefusedRun, ThinsOutEvenly) {
 TEST(FixLevels, AJumpThatComesBackIsForgotten) {
     FixLevels levels;
     for (int k = 0; k < 100; ++k) levels.confirm(false, 1.0);
-    levels.jumped({100.0, 0.0, 0.0}, 3.0, true);
+    levels.jumped({100.0, 0.0, 0.0}, 0.0, 3.0, true);
     EXPECT_GE(3.0 * levels.spread().x(), 100.0);  // both are covered
     for (int k = 0; k < 20; ++k) levels.confirm(true, 1.0);
     EXPECT_FALSE(levels.prefers_other());
@@ -85,7 +85,7 @@ TEST(FixLevels, AJumpThatComesBackIsForgotten) {
 TEST(FixLevels, TheLevelThatWasHeldForLongerCountsAndTheDoubtFades) {
     FixLevels levels;
     for (int k = 0; k < 50; ++k) levels.confirm(false, 1.0);
-    levels.jumped({0.0, 30.0, 0.0}, 3.0, true);
+    levels.jumped({0.0, 30.0, 0.0}, 0.0, 3.0, true);
     int seconds = 0;
     while (!levels.prefers_other()) levels.confirm(true, 1.0), ++seconds;
     EXPECT_NEAR(seconds, 48, 1);
@@ -102,9 +102,41 @@ TEST(FixLevels, TheLevelThatWasHeldForLongerCountsAndTheDoubtFades) {
     // After an interruption what was held before it counts for half a minute at most.
     FixLevels interrupted;
     for (int k = 0; k < 500; ++k) interrupted.confirm(false, 1.0);
-    interrupted.jumped({0.0, 30.0, 0.0}, 3.0, false);
+    interrupted.jumped({0.0, 30.0, 0.0}, 0.0, 3.0, false);
     for (int k = 0; k < 28; ++k) interrupted.confirm(true, 1.0);
     EXPECT_TRUE(interrupted.prefers_other());
+}
+
+TEST(FixLevels, WhatWasHeldBeforeAnInterruptionCountsForTheLevelThatItForetold) {
+    const auto jumped = [](const Vector3d& innovation, double sigma) {
+        FixLevels levels;
+        for (int k = 0; k < 200; ++k) levels.confirm(false, 1.0);
+        levels.interrupted(innovation, Vector3d::Constant(sigma));
+        for (int k = 0; k < 4; ++k) levels.confirm(false, 1.0);
+        levels.jumped({20.0, 0.0, 0.0}, 1.0, 2.0, true);  // the other level: 20 m behind
+        return levels;
+    };
+    // the estimate did not know: only what was held since
+    EXPECT_DOUBLE_EQ(jumped({-9.0, 0.0, 0.0}, 8.0).here, 4.0);
+    EXPECT_DOUBLE_EQ(jumped({-9.0, 0.0, 0.0}, 8.0).there, 2.0);
+    // the first fix was where it was expected
+    EXPECT_DOUBLE_EQ(jumped({-0.5, 0.0, 0.0}, 3.0).here, 204.0);
+    // it would have been so at the other level
+    EXPECT_DOUBLE_EQ(jumped({-19.0, 0.0, 0.0}, 5.0).here, 4.0);
+    EXPECT_DOUBLE_EQ(jumped({-19.0, 0.0, 0.0}, 5.0).there, 202.0);
+}
+
+TEST(FixLevels, FixesOfTheOtherLevelDoNotTellMoreThanWasKnownAtTheJump) {
+    constexpr double known = 6.0;
+    FixLevels levels;
+    levels.jumped({20.0, 0.0, 0.0}, known, 2.0, true);
+    double information = 0.0;
+    for (int k = 0; k < 10'000; ++k) {
+        information += 1.0 / levels.shared_variance();
+        levels.confirm(true, 0.2);
+    }
+    EXPECT_LT(information, 2.0 / (known * known));
+    EXPECT_GT(information, 0.5 / (known * known));
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include "schuler/core/error.h"
 #include "schuler/core/units.h"
 #include "schuler/fusion/backward.h"
+#include "schuler/fusion/faults/abandoned_levels.h"
 #include "schuler/fusion/faults/height_faults.h"
 #include "schuler/fusion/intermediate_run.h"
 #include "schuler/fusion/legs.h"
@@ -201,6 +202,17 @@ std::optional<RangingLog> without_faulty_sources(const RunData& data, Settings s
     return out;
 }
 
+/// False if there are none.
+bool leave_out(const std::vector<AbandonedLevel>& levels, std::vector<Event>& events, Time origin, WarningLog& warnings) {
+    for (const AbandonedLevel& l : levels)
+        warnings.add(
+            "gnss.jump_after_gap",
+            fmt::format("the receiver's positions from {:.1f} to {:.1f} s, the first after an interruption, lie {:.1f} m from "
+                        "those that follow, without the IMU feeling the jump: the smoothed run does without them",
+                        (l.first - origin).seconds(), (l.last - origin).seconds(), l.size));
+    return withhold(events, levels) > 0;
+}
+
 /// One leg, or a log without pauses.
 Result run_leg(const Recording& recording, const Settings& given, WarningLog& warnings, const Progress& progress,
                const RowSink& rows, const ReceiverInLoop& receiver) {
@@ -296,8 +308,12 @@ Result run_leg(const Recording& recording, const Settings& given, WarningLog& wa
         }
         settings.ranging.protection.use = false;
     }
-    Result result = settings.coupling == Coupling::Intermediate ? run_intermediate_pass(data, settings, start, options)
-                                                                : run_pass(data, settings, start, options);
+    const auto run = [&] {
+        return settings.coupling == Coupling::Intermediate ? run_intermediate_pass(data, settings, start, options)
+                                                           : run_pass(data, settings, start, options);
+    };
+    Result result = run();
+    if (settings.smooth && leave_out(abandoned_levels(result), data.events, origin, warnings)) result = run();
     if (settings.backward) result.backward = run_backward(data, settings, start, result.forward);
 
     findings.mounting_rpy = settings.imu.mounting_rpy;

@@ -143,11 +143,14 @@ Option<R> jobs_option(Access access) {
 /// key=value, repeatable; overridden by separate options.
 template <class R, class Access>
 Option<R> set_option(Access above) {
-    Option<R> option{settings::detail::spec("set", Shape::Texts, "a setting by its key; `schuler help settings` lists them"),
-                     [=](R& r, const Value& v) {
-                         for (const Value& x : *v.list()) above(r).push_back(settings::setting_from_text(*x.text()));
-                     },
-                     [](const R&) { return std::optional<Value>(); }};
+    Option<R> option{
+        settings::detail::spec(
+            "set", Shape::Texts,
+            "a setting of the processing by its key (`schuler help settings` lists them); what a scenario simulates does not change"),
+        [=](R& r, const Value& v) {
+            for (const Value& x : *v.list()) above(r).push_back(settings::setting_from_text(*x.text()));
+        },
+        [](const R&) { return std::optional<Value>(); }};
     option.spec.line.repeated = option.spec.line.file = true;
     return written("key=value", std::move(option));
 }

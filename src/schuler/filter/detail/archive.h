@@ -200,7 +200,7 @@ SCHULER_ARCHIVED(RangeTracking::Phase, source, last, end, begin, tx_end, tx_begi
 SCHULER_ARCHIVED(RangeTracking, slots, phases, cloned, watch, work)
 SCHULER_ARCHIVED(Opening, increment, position, velocity, rate, span, bias_jump, part)
 inline void archive(Archive& a, RefusedRun& run) { run.archive(a); }
-SCHULER_ARCHIVED(FixLevels, two, at_other, other, here, there)
+SCHULER_ARCHIVED(FixLevels, two, at_other, other, here, there, unsure, used, anew, innovation, sigma, here_anew)
 SCHULER_ARCHIVED(FixChannel, run, levels, fitted, innovation, sigma, fits, sum)
 template <class T>
 void archive(Archive& a, AtMostOne<T>& one) {

@@ -162,9 +162,14 @@ AidStatus Pass<Frame>::judge(FilterRun<Frame>& run, Channel channel, AidRecord& 
     const auto accept = [&](bool elsewhere) {
         if (levels.two && levels.at_other && !elsewhere)
             observer.alert({record.stamp, channel.kind, IntegrityTest::JumpBack, levels.other.norm()});
-        // After a long interruption the first fix determines the position and starts a new level.
-        if (position && !levels.two && since_fit > 5.0 && record.sigma_state.maxCoeff() > 3.0 * sigma) levels.here = 0.0;
-        if (position) levels.confirm(elsewhere, since_fit);
+        for (int i = 0; elsewhere && i < m.dof; ++i) {
+            m.variance(i) += levels.shared_variance();
+            local.variance(i) += levels.shared_variance();
+        }
+        constexpr double interruption = 5.0;  // s
+        if (position && !levels.two && since_fit > interruption)
+            levels.interrupted(in_place(record.innovation, channel.components), in_place(record.sigma, channel.components));
+        else if (position) levels.confirm(elsewhere, since_fit);
         fixes.fit(record.time, in_place(record.innovation, channel.components), sigma);
         record.other_level = elsewhere;
         return AidStatus::Accepted;
@@ -214,7 +219,7 @@ AidStatus Pass<Frame>::judge(FilterRun<Frame>& run, Channel channel, AidRecord& 
         const bool only_here = since_fit > 5.0 && velocities([](const FixChannel& c) { return c.run.count() == 0; });
         if (jump && (at_once || only_here || velocities([](const FixChannel& c) { return c.fits >= few_fixes; }))) {
             observer.alert({record.stamp, channel.kind, IntegrityTest::Jump, fixes.run.mean().norm()});
-            levels.jumped(fixes.run.mean(), fixes.run.span(), at_once);
+            levels.jumped(fixes.run.mean(), record.sigma_state.maxCoeff(), fixes.run.span(), at_once);
             fixes.run.clear();
             if (!run.rival.empty() && run.rival.front().challenger) run.rival.clear();
             move();

@@ -62,8 +62,25 @@ RunShape RefusedRun::shape(double drift) const {
     return second.rate.norm() > 1.5 * first.rate.norm() + turn ? RunShape::Growing : RunShape::Uniform;
 }
 
+double favours_first(const Vector3d& innovation, const Vector3d& other, const Vector3d& sigma) {
+    double difference = 0.0;
+    for (int i = 0; i < 3; ++i)
+        if (sigma[i] > 0.0)
+            difference += (std::pow(innovation[i] + other[i], 2) - std::pow(innovation[i], 2)) / std::pow(sigma[i], 2);
+    return difference;
+}
+
+void FixLevels::interrupted(const Vector3d& innovation, const Vector3d& sigma) {
+    anew = true;
+    anew_innovation = innovation;
+    anew_sigma = sigma;
+    here_anew = 0.0;
+}
+
 void FixLevels::confirm(bool other_one, double dt, double most) {
     (other_one ? there : here) += std::clamp(dt, 0.0, most);
+    used += other_one ? 1 : 0;
+    if (!other_one) here_anew += std::clamp(dt, 0.0, most);
     const bool came_back = two && at_other && !other_one;  // it has returned to its own level
     if (came_back || (!other_one && there < 0.01 * here)) {
         two = false;
@@ -72,17 +89,24 @@ void FixLevels::confirm(bool other_one, double dt, double most) {
     at_other = two && other_one;
 }
 
-void FixLevels::jumped(const Vector3d& innovation, double held, bool settled) {
+void FixLevels::jumped(const Vector3d& innovation, double sigma, double held, bool settled) {
     two = at_other = true;
     other = innovation;
     there = held;
+    unsure = sigma;
+    used = 0;
     if (!settled) here = std::min(here, 30.0);
+    if (!anew) return;
+    const double here_favoured = favours_first(anew_innovation, other, anew_sigma);
+    if (here_favoured < -decisive_levels) there += here - here_anew;  // the other level continues what was before
+    if (here_favoured < decisive_levels) here = here_anew;
 }
 
 void FixLevels::swap() {
     std::swap(here, there);
     other = -other;
     at_other = !at_other;
+    anew = false;
 }
 
 Vector3d FixLevels::spread() const {

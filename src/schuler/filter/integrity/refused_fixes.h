@@ -65,6 +65,12 @@ private:
     Sample last_{};
 };
 
+/// How much likelier the first fix after an interruption was at its level than at another, which lies at `innovation + other`:
+/// difference of the squared normalised innovations; components with sigma 0 are unused.
+[[nodiscard]] double favours_first(const Eigen::Vector3d& innovation, const Eigen::Vector3d& other, const Eigen::Vector3d& sigma);
+/// Of that difference.
+inline constexpr double decisive_levels = 9.0;
+
 /// A receiver whose positions moved from one level to another between two fixes without the inertial unit sensing it. The shape
 /// of the track does not show which level is right: the evidence for each is how long it was held. Plain and copyable.
 struct FixLevels {
@@ -72,12 +78,23 @@ struct FixLevels {
     bool at_other = false;                            ///< the last fix was at the other level
     Eigen::Vector3d other = Eigen::Vector3d::Zero();  ///< innovation of fixes there: this level minus that one, NED, m
     double here = 0.0, there = 0.0;                   ///< s for which fixes confirmed each level
+    double unsure = 0.0;                              ///< m, one sigma of `other`: of the estimate when it was measured
+    int used = 0;                                     ///< fixes of the other level
+    bool anew = false;                                ///< there was an interruption, with this first fix after it:
+    Eigen::Vector3d anew_innovation = Eigen::Vector3d::Zero(), anew_sigma = Eigen::Vector3d::Zero();  ///< m, NED; sigma 0: unused
+    double here_anew = 0.0;  ///< s, part of `here` since then
 
+    /// Registers the first fix after an interruption: innovation and its predicted sigma.
+    void interrupted(const Eigen::Vector3d& innovation, const Eigen::Vector3d& sigma);
     /// Counts a fix `dt` seconds after the previous one; widely spaced fixes confirm no more than `most` seconds.
     void confirm(bool other_one, double dt, double most = 5.0);
-    /// Registers a jump by `innovation` that was held for `held` s. `settled`: the current level was held by fixes until then;
-    /// after an interruption, earlier confirmation has little weight.
-    void jumped(const Eigen::Vector3d& innovation, double held, bool settled);
+    /// Variance of the offset that the next fix of the other level has in addition, m^2. The offset is the same in all of them: with
+    /// a variance that grows with the square of their number they never tell more of the position than was known at the jump.
+    [[nodiscard]] double shared_variance() const { return unsure * unsure * (1.0 + used) * (1.0 + used); }
+    /// Registers a jump by `innovation`, of the given sigma, that was held for `held` s. `settled`: the current level was held by fixes until then.
+    /// If the first fix after an interruption would have been about as likely at the other level, what confirmed this one before
+    /// the interruption does not count, and counts for the other one if that would have been far likelier.
+    void jumped(const Eigen::Vector3d& innovation, double sigma, double held, bool settled);
     /// True if the other level has more evidence; the caller then moves there and calls swap().
     [[nodiscard]] bool prefers_other() const { return two && there > here; }
     void swap();

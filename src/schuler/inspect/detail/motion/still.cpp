@@ -67,6 +67,51 @@ Threshold threshold_of(const std::vector<Second>& seconds) {
             std::clamp(4.0 * quantile(std::move(f), 0.03), 0.08, 0.7)};
 }
 
+/// Without the receiver a calm second is no proof of rest: so is a steady turn in the air. A run of them counts where the last known
+/// speed before it and the first after it are zero, or where the forces in between explain the change of speed.
+bool comes_to_rest(const std::vector<Second>& seconds, std::size_t first, std::size_t last, double still_speed) {
+    Eigen::Vector3d f = Eigen::Vector3d::Zero();
+    for (std::size_t i = first; i <= last; ++i) f += seconds[i].f_mean / static_cast<double>(last - first + 1);
+    constexpr double least = 0.5;  // of the speed: forces also turn with the vehicle
+    double impulse = 0.0;
+    for (std::size_t i = first; i-- > 0; impulse += (seconds[i].f_mean - f).norm()) {
+        if (seconds[i].speed < 0.0) continue;
+        if (seconds[i].speed >= still_speed && impulse < least * seconds[i].speed) return false;
+        break;
+    }
+    impulse = 0.0;
+    for (std::size_t i = last + 1; i < seconds.size(); impulse += (seconds[i++].f_mean - f).norm()) {
+        if (seconds[i].speed < 0.0) continue;
+        return seconds[i].speed < still_speed || impulse >= least * seconds[i].speed;
+    }
+    return true;
+}
+
+/// Calm seconds of a vehicle that is not known to move.
+std::vector<const Second*> calm_seconds(const std::vector<Second>& seconds, double still_speed) {
+    const Threshold quiet = threshold_of(seconds);
+    std::vector<const Second*> still;
+    for (std::size_t i = 0; i < seconds.size(); ++i) {
+        const auto calm = [&](const Second& s) {
+            // Zero speed of the receiver makes the vibration of a running engine acceptable.
+            const double ease = s.speed >= 0.0 ? 2.0 : 1.0;
+            return s.speed < still_speed && s.w_std < ease * quiet.w_std && s.f_std < ease * quiet.f_std;
+        };
+        if (!calm(seconds[i])) continue;
+        std::size_t last = i;
+        if (seconds[i].speed < 0.0) {
+            while (last + 1 < seconds.size() && seconds[last + 1].speed < 0.0 && calm(seconds[last + 1])) ++last;
+            if (!comes_to_rest(seconds, i, last, still_speed)) {
+                i = last;
+                continue;
+            }
+        }
+        for (; i < last; ++i) still.push_back(&seconds[i]);
+        still.push_back(&seconds[i]);
+    }
+    return still;
+}
+
 }  // namespace
 
 StillPeriods still_periods(const ImuSeries& imu, const GnssSeries& gnss) {
@@ -74,17 +119,9 @@ StillPeriods still_periods(const ImuSeries& imu, const GnssSeries& gnss) {
     std::vector<Second> seconds = seconds_of(imu);
     if (seconds.empty()) return result;
     add_speed(seconds, gnss);
-    const Threshold quiet = threshold_of(seconds);
     // Receivers report a few decimetres per second at rest; position-only logs more.
     const double still_speed = gnss.has_velocity() ? 0.25 : 0.5;
-    std::vector<const Second*> still;
-    for (const Second& s : seconds) {
-        const bool stopped = s.speed >= 0.0 && s.speed < still_speed;
-        const bool moving = s.speed >= still_speed;
-        // Zero speed of the receiver makes the vibration of a running engine acceptable.
-        const double ease = stopped ? 2.0 : 1.0;
-        if (!moving && s.w_std < ease * quiet.w_std && s.f_std < ease * quiet.f_std) still.push_back(&s);
-    }
+    std::vector<const Second*> still = calm_seconds(seconds, still_speed);
     if (still.empty()) return result;
     const auto median_rate = [&] {
         Eigen::Vector3d w;

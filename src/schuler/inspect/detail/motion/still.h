@@ -22,7 +22,8 @@ struct StillPeriods {
     [[nodiscard]] bool any() const { return !intervals.empty(); }
 };
 
-/// Windows of 1 s with little motion in the IMU data and, with GNSS, zero speed. `imu` in SI units.
+/// Windows of 1 s with little motion in the IMU data and, with GNSS, zero speed; where it has no fix, between zero speeds or with
+/// forces that explain the change of speed. `imu` in SI units.
 [[nodiscard]] StillPeriods still_periods(const ImuSeries& imu, const GnssSeries& gnss);
 
 /// White noise of the sensors from second differences (motion slower than a few samples cancels), at the tenth percentile of
