@@ -1,5 +1,7 @@
 """The self-check of `process` and its verdict: last line, exit status, what is written, and whether wider noise makes other outages truer."""
+import csv
 import json
+import math
 import os
 import subprocess
 import sys
@@ -121,6 +123,42 @@ def verdict_useless(program, source):
     check(quiet.stderr.splitlines()[-1].startswith("schuler: do not use: "), f"{quiet.stderr!r}")
 
 
+def verdict_found_again(program, source):
+    """A receiver that is 20 m off for 3 s after 25 s of silence: the smoothed run does without these fixes where they were believed, and is not surer by
+    them where they were not. Flying steadily all that time is not rest."""
+    folder = Path(program.folder)
+    scenario = FLIGHT.replace("rate_hz = 1\n", "rate_hz = 5\n").replace('"mems"', '"consumer"').replace("duration_s = 420", "duration_s = 300").replace("seed = 4", "seed = 8")
+    for receiver in ("autonomous", "rtk"):
+        (folder / "again.toml").write_text(scenario.replace('"rtk"', f'"{receiver}"'))
+        program("simulate", "again.toml", "-o", receiver, "-q")
+        head, *fixes = csv.reader(open(folder / receiver / "gnss.csv"))
+        time, lat = head.index("time_s"), head.index("lat_deg")
+        first = float(fixes[0][time])
+        kept = [row for row in fixes if not 120 < float(row[time]) - first <= 145]
+        for row in kept:
+            if 145 < float(row[time]) - first <= 148:
+                row[lat] = repr(float(row[lat]) + 20 / 111_200)
+        with open(folder / receiver / "gnss.csv", "w", newline="") as file:
+            csv.writer(file, lineterminator="\n").writerows([head, *kept])
+        done = program("process", receiver, "-o", f"out-{receiver}", "--smooth")
+        check("at rest they turn" not in done.stdout + done.stderr, f"no rest in flight: {done.stderr}")
+        truth = {row["time_s"]: row for row in csv.DictReader(open(folder / receiver / "reference.csv"))}
+        outside = compared = 0
+        for row in csv.DictReader(open(folder / f"out-{receiver}/solution.csv")):
+            if row["time_s"] not in truth:
+                continue
+            true = truth[row["time_s"]]
+            north = 111_200 * (float(row["lat_deg"]) - float(true["lat_deg"]))
+            east = 111_300 * math.cos(math.radians(50.45)) * (float(row["lon_deg"]) - float(true["lon_deg"]))
+            compared += 1
+            outside += abs(north) > 3 * float(row["std_n_m"]) + 0.02 or abs(east) > 3 * float(row["std_e_m"]) + 0.02
+        summary = summary_in(folder / f"out-{receiver}")
+        print(f"{receiver}: {outside} of {compared} epochs outside three sigma; {summary['verdict']}")
+        check(compared > 1000 and outside < 0.01 * compared, f"{receiver}: {outside} of {compared}")
+        check(all(float(row["std_n_m"]) > 0 and float(row["std_e_m"]) > 0 for row in csv.DictReader(open(folder / f"out-{receiver}/solution.csv"))), "no sigma is zero")
+        check(receiver == "autonomous" or "first after an interruption" in json.dumps(summary["warnings"]), f"{receiver}: {summary['warnings']}")
+
+
 def verdict_real(program, source):
     """Recorded logs: good ones are not condemned, those whose fixes contradict the unit are not trusted."""
     data = Path(os.environ.get("SCHULER_DATA", source.parent / "shared/data"))
@@ -137,4 +175,4 @@ def verdict_real(program, source):
 
 
 if __name__ == "__main__":
-    main({"verdict_honest": verdict_honest, "verdict_widened": verdict_widened, "verdict_useless": verdict_useless, "verdict_real": verdict_real})
+    main({"verdict_honest": verdict_honest, "verdict_widened": verdict_widened, "verdict_useless": verdict_useless, "verdict_found_again": verdict_found_again, "verdict_real": verdict_real})

@@ -3,8 +3,8 @@
 #include "schuler/core/error.h"
 #include "schuler/core/units.h"
 #include "schuler/fusion/backward.h"
-#include "schuler/fusion/faults/abandoned_levels.h"
 #include "schuler/fusion/faults/height_faults.h"
+#include "schuler/fusion/faults/refuted_beginnings.h"
 #include "schuler/fusion/intermediate_run.h"
 #include "schuler/fusion/legs.h"
 #include "schuler/fusion/mounting.h"
@@ -203,14 +203,14 @@ std::optional<RangingLog> without_faulty_sources(const RunData& data, Settings s
 }
 
 /// False if there are none.
-bool leave_out(const std::vector<AbandonedLevel>& levels, std::vector<Event>& events, Time origin, WarningLog& warnings) {
-    for (const AbandonedLevel& l : levels)
+bool leave_out(const std::vector<RefutedBeginning>& wrong, std::vector<Event>& events, Time origin, WarningLog& warnings) {
+    for (const RefutedBeginning& w : wrong)
         warnings.add(
             "gnss.jump_after_gap",
             fmt::format("the receiver's positions from {:.1f} to {:.1f} s, the first after an interruption, lie {:.1f} m from "
                         "those that follow, without the IMU feeling the jump: the smoothed run does without them",
-                        (l.first - origin).seconds(), (l.last - origin).seconds(), l.size));
-    return withhold(events, levels) > 0;
+                        (w.first - origin).seconds(), (w.end - origin).seconds(), w.jump.norm()));
+    return withhold(events, wrong) > 0;
 }
 
 /// One leg, or a log without pauses.
@@ -313,7 +313,10 @@ Result run_leg(const Recording& recording, const Settings& given, WarningLog& wa
                                                            : run_pass(data, settings, start, options);
     };
     Result result = run();
-    if (settings.smooth && leave_out(abandoned_levels(result), data.events, origin, warnings)) result = run();
+    // a simulated receiver cannot be flown twice
+    if (settings.smooth && !receiver && !recording.gnss.empty() &&
+        leave_out(refuted_beginnings(result.smoothed.rows, recording.gnss, settings.earth), data.events, origin, warnings))
+        result = run();
     if (settings.backward) result.backward = run_backward(data, settings, start, result.forward);
 
     findings.mounting_rpy = settings.imu.mounting_rpy;
