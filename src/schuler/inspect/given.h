@@ -46,6 +46,7 @@ struct Given {
     Eigen::Matrix3d C_bs = Eigen::Matrix3d::Identity();  ///< of `axes`
     std::optional<Eigen::Vector3d> mounting_rpy;         ///< rad; empty if it is to be estimated
     std::optional<double> gyro_bias, gyro_noise;         ///< from imu.grade: one sigma at switch-on, rad/s; rad/sqrt(s)
+    std::optional<double> accel_bias;                    ///< likewise, m/s^2
     std::optional<bool> use_velocity;                    ///< of the fixes
     std::optional<double> latency, velocity_latency, height_latency, velocity_down_latency;  ///< s
 

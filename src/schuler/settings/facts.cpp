@@ -125,6 +125,7 @@ inspect::Given given_of(const Config& c, const SettingList& given, const std::fi
     if (g.has("imu.grade")) {
         g.gyro_bias = c.filter.imu.errors.gyro_initial_bias();
         g.gyro_noise = c.filter.imu.errors.gyro_noise;
+        g.accel_bias = c.filter.imu.errors.accel_initial_bias();
     }
     const fusion::GnssSettings& gnss = c.filter.gnss;
     if (g.has("gnss.latency_s") && !gnss.estimate_latency) g.latency = gnss.latency;

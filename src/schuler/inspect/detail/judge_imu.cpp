@@ -135,12 +135,18 @@ void check_given_axes(Study& study) {
     // Only wheeled vehicles move along their axes; in the air there are sideslip and wind, hand-held any direction.
     const double spread = m.forward_spread * per_deg / std::sqrt(std::max(1.0, m.epochs / 20.0));
     const double sigma = study.vehicle == "car" ? std::max(0.7, spread) : std::max(10.0, m.forward_spread * per_deg);
-    const double off = angle(C.row(0).transpose(), study.travel.forward_s);
-    if (off > 3.0 * sigma + slack) {
+    // The forces that show the level contain the accelerometers' biases.
+    const sensor::ImuErrorModel unit = sensor::imu_grade("consumer");
+    const double level = given.accel_bias.value_or(unit.accel_initial_bias()) / study.gravity * per_deg;
+    const Eigen::Vector3d forward = C.row(0), down = C.row(2), travel = study.travel.forward_s;
+    const double pitch = std::asin(std::clamp(travel.dot(down), -1.0, 1.0)) * per_deg, off = angle(forward, travel);
+    const double yaw = std::sqrt(std::max(0.0, off * off - pitch * pitch)), pitch_sigma = std::hypot(sigma, level);
+    constexpr double many = 3.0;
+    if (std::hypot(std::max(0.0, yaw - slack) / sigma, std::max(0.0, std::abs(pitch) - slack) / pitch_sigma) > many) {
         study.contradicts(key,
                           fmt::format("{} is given; the direction of travel lies {:.1f} +- {:.1f} deg from the forward axis that "
                                       "this means",
-                                      said, off, sigma));
+                                      said, off, yaw / sigma > std::abs(pitch) / pitch_sigma ? sigma : pitch_sigma));
     }
 }
 
