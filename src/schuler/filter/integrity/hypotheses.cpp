@@ -219,7 +219,10 @@ AidStatus Pass<Frame>::judge(FilterRun<Frame>& run, Channel channel, AidRecord& 
         const bool only_here = since_fit > 5.0 && velocities([](const FixChannel& c) { return c.run.count() == 0; });
         if (jump && (at_once || only_here || velocities([](const FixChannel& c) { return c.fits >= few_fixes; }))) {
             observer.alert({record.stamp, channel.kind, IntegrityTest::Jump, fixes.run.mean().norm()});
-            levels.jumped(fixes.run.mean(), record.sigma_state.maxCoeff(), fixes.run.span(), at_once);
+            // While a fix is no better than the estimate, the mean of several is the better offset.
+            constexpr double much = 3.0;
+            const double known = record.sigma_state.maxCoeff();
+            levels.jumped(fixes.run.mean(), known > much * sigma ? known : 0.0, fixes.run.span(), at_once);
             fixes.run.clear();
             if (!run.rival.empty() && run.rival.front().challenger) run.rival.clear();
             move();

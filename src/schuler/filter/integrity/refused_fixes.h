@@ -78,7 +78,7 @@ struct FixLevels {
     bool at_other = false;                            ///< the last fix was at the other level
     Eigen::Vector3d other = Eigen::Vector3d::Zero();  ///< innovation of fixes there: this level minus that one, NED, m
     double here = 0.0, there = 0.0;                   ///< s for which fixes confirmed each level
-    double unsure = 0.0;                              ///< m, one sigma of `other`: of the estimate when it was measured
+    double unsure = 0.0;                              ///< m, one sigma of `other`; 0: about as well known as by a fix
     int used = 0;                                     ///< fixes of the other level
     bool anew = false;                                ///< there was an interruption, with this first fix after it:
     Eigen::Vector3d anew_innovation = Eigen::Vector3d::Zero(), anew_sigma = Eigen::Vector3d::Zero();  ///< m, NED; sigma 0: unused
