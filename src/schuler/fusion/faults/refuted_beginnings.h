@@ -18,12 +18,12 @@ namespace schuler::fusion {
 /// later, which no vehicle makes: what was used before it was wrong, and a smoother must not use it.
 struct RefutedBeginning {
     Time first, end;                                 ///< stamps of the first wrong fix and of the first one after the jump
-    Eigen::Vector3d jump = Eigen::Vector3d::Zero();  /// of the trajectory, north, east, down, m
+    Eigen::Vector3d jump = Eigen::Vector3d::Zero();  ///< of the trajectory, north, east, down, m
 };
 
 /// Jumps of a smoothed trajectory by more than a metre beyond its velocities (rows up to 0.2 s apart; of sparser rows up to 2 s apart
-/// by more than 5 m) that the receiver made too, within
-/// half of it and by more than four of its sigmas, after the last interruption of 5 s and more or the beginning of the log.
+/// by more than 5 m) that the receiver made too (within half of the jump, and by more than four of its sigmas) after the last
+/// interruption of 5 s and more or the beginning of the log.
 [[nodiscard]] std::vector<RefutedBeginning> refuted_beginnings(const std::vector<SolutionRow>& smoothed,
                                                                const std::vector<GnssFix>& fixes, const earth::Earth& earth);
 

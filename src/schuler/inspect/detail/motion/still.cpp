@@ -67,7 +67,7 @@ Threshold threshold_of(const std::vector<Second>& seconds) {
             std::clamp(4.0 * quantile(std::move(f), 0.03), 0.08, 0.7)};
 }
 
-/// Without the receiver a calm second is no proof of rest: so is a steady turn in the air. A run of them counts where the last known
+/// Without the receiver calm seconds are no proof of rest: a steady turn in the air is calm too. A run of them counts where the last known
 /// speed before it and the first after it are zero, or where the forces in between explain the change of speed.
 bool comes_to_rest(const std::vector<Second>& seconds, std::size_t first, std::size_t last, double still_speed) {
     Eigen::Vector3d f = Eigen::Vector3d::Zero();
