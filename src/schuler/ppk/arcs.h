@@ -19,7 +19,8 @@ struct ArcCounts {
 
 /// Numbers the arcs of every phase, from 1. An arc ends where the receiver flags it, where it resolves its half cycles, after a
 /// gap, where the difference of two carriers jumps (the geometry-free combination), and where the change of a phase is not
-/// explained by a displacement of the receiver, a step of its clock and the modelled atmosphere; with too few satellites for that, by its Doppler.
+/// explained by a displacement of the receiver, a step of its clock and the modelled atmosphere; with too few satellites for that,
+/// by its Doppler.
 /// `at_rest`: there is no displacement. Steps of the receiver's clock, also in the codes alone, are not slips.
 ArcCounts number_arcs(std::vector<TrackedEpoch>& epochs, bool at_rest, const ArcSettings& settings, const AirModel& air);
 

@@ -108,10 +108,8 @@ void for_fours(std::size_t n, std::size_t most, Call call) {
         for (std::size_t k = 0; k < 4;) {
             draw = draw * 6364136223846793005ULL + 1442695040888963407ULL;
             four[k] = static_cast<std::size_t>(draw >> 33U) % n;
-            k += std::find(four.begin(), four.begin() + static_cast<std::ptrdiff_t>(k), four[k]) ==
-                         four.begin() + static_cast<std::ptrdiff_t>(k)
-                     ? 1
-                     : 0;
+            const auto drawn = four.begin() + static_cast<std::ptrdiff_t>(k);
+            if (std::find(four.begin(), drawn, *drawn) == drawn) ++k;
         }
         call(four);
     }

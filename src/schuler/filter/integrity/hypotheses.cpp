@@ -166,7 +166,6 @@ AidStatus Pass<Frame>::judge(FilterRun<Frame>& run, Channel channel, AidRecord& 
             m.variance(i) += levels.shared_variance();
             local.variance(i) += levels.shared_variance();
         }
-        constexpr double interruption = 5.0;  // s
         if (position && !levels.two && since_fit > interruption)
             levels.interrupted(in_place(record.innovation, channel.components), in_place(record.sigma, channel.components));
         else if (position) levels.confirm(elsewhere, since_fit);
@@ -216,7 +215,7 @@ AidStatus Pass<Frame>::judge(FilterRun<Frame>& run, Channel channel, AidRecord& 
     if (position && !suspect && fixes.run.shape(speed_sigma(run.filter)) == RunShape::Constant) {
         const bool at_once = fixes.began_at_once(), jump = fixes.run.mean().norm() > least_jump;
         // After an interruption with refused velocities the navigation itself has drifted.
-        const bool only_here = since_fit > 5.0 && velocities([](const FixChannel& c) { return c.run.count() == 0; });
+        const bool only_here = since_fit > interruption && velocities([](const FixChannel& c) { return c.run.count() == 0; });
         if (jump && (at_once || only_here || velocities([](const FixChannel& c) { return c.fits >= few_fixes; }))) {
             observer.alert({record.stamp, channel.kind, IntegrityTest::Jump, fixes.run.mean().norm()});
             // While a fix is no better than the estimate, the mean of several is the better offset.

@@ -62,6 +62,10 @@ RunShape RefusedRun::shape(double drift) const {
     return second.rate.norm() > 1.5 * first.rate.norm() + turn ? RunShape::Growing : RunShape::Uniform;
 }
 
+namespace {
+
+/// How much likelier the first fix after an interruption was at its level than at another, at `innovation + other`: difference of
+/// the squared normalised innovations; components with sigma 0 are unused.
 double favours_first(const Vector3d& innovation, const Vector3d& other, const Vector3d& sigma) {
     double difference = 0.0;
     for (int i = 0; i < 3; ++i)
@@ -69,6 +73,8 @@ double favours_first(const Vector3d& innovation, const Vector3d& other, const Ve
             difference += (std::pow(innovation[i] + other[i], 2) - std::pow(innovation[i], 2)) / std::pow(sigma[i], 2);
     return difference;
 }
+
+}  // namespace
 
 void FixLevels::interrupted(const Vector3d& innovation, const Vector3d& sigma) {
     anew = true;
@@ -97,9 +103,10 @@ void FixLevels::jumped(const Vector3d& innovation, double sigma, double held, bo
     used = 0;
     if (!settled) here = std::min(here, 30.0);
     if (!anew) return;
+    constexpr double decisive = 9.0;  // squared sigmas
     const double here_favoured = favours_first(anew_innovation, other, anew_sigma);
-    if (here_favoured < -decisive_levels) there += here - here_anew;  // the other level continues what was before
-    if (here_favoured < decisive_levels) here = here_anew;
+    if (here_favoured < -decisive) there += here - here_anew;  // the other level continues what was before
+    if (here_favoured < decisive) here = here_anew;
 }
 
 void FixLevels::swap() {
@@ -127,7 +134,7 @@ void FixChannel::fit(Time time, const Vector3d& innovation, double sigma) {
 
 bool FixChannel::began_at_once() const {
     if (!fitted || run.count() == 0) return false;
-    return (run.since() - *fitted).seconds() < 5.0 && fitted_innovation.norm() < 0.5 * run.mean().norm();
+    return (run.since() - *fitted).seconds() < interruption && fitted_innovation.norm() < 0.5 * run.mean().norm();
 }
 
 }  // namespace schuler::filter

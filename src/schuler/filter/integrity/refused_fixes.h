@@ -65,11 +65,8 @@ private:
     Sample last_{};
 };
 
-/// How much likelier the first fix after an interruption was at its level than at another, which lies at `innovation + other`:
-/// difference of the squared normalised innovations; components with sigma 0 are unused.
-[[nodiscard]] double favours_first(const Eigen::Vector3d& innovation, const Eigen::Vector3d& other, const Eigen::Vector3d& sigma);
-/// Of that difference.
-inline constexpr double decisive_levels = 9.0;
+/// s without a used position, after which the next fix is the first after an interruption.
+inline constexpr double interruption = 5.0;
 
 /// A receiver whose positions moved from one level to another between two fixes without the inertial unit sensing it. The shape
 /// of the track does not show which level is right: the evidence for each is how long it was held. Plain and copyable.
@@ -91,9 +88,9 @@ struct FixLevels {
     /// Variance of the offset that the next fix of the other level has in addition, m^2. The offset is the same in all of them: with
     /// a variance that grows with the square of their number they never tell more of the position than was known at the jump.
     [[nodiscard]] double shared_variance() const { return unsure * unsure * (1.0 + used) * (1.0 + used); }
-    /// Registers a jump by `innovation`, of the given sigma, that was held for `held` s. `settled`: the current level was held by fixes until then.
-    /// If the first fix after an interruption would have been about as likely at the other level, what confirmed this one before
-    /// the interruption does not count, and counts for the other one if that would have been far likelier.
+    /// Registers a jump by `innovation`, of the given sigma, that was held for `held` s. `settled`: the current level was held by
+    /// fixes until then. If the first fix after an interruption would have been about as likely at the other level, what confirmed
+    /// this one before the interruption does not count, and counts for the other one if that would have been far likelier.
     void jumped(const Eigen::Vector3d& innovation, double sigma, double held, bool settled);
     /// True if the other level has more evidence; the caller then moves there and calls swap().
     [[nodiscard]] bool prefers_other() const { return two && there > here; }

@@ -1,5 +1,7 @@
 #include "schuler/fusion/faults/refuted_beginnings.h"
 
+#include "schuler/filter/integrity/refused_fixes.h"
+
 #include <algorithm>
 #include <iterator>
 #include <optional>
@@ -24,14 +26,14 @@ Vector3d travelled(const std::vector<SolutionRow>& rows, Time from, Time to) {
 /// The first fix after the last jump like this one between two others, up to `until`.
 std::optional<RefutedBeginning> beginning(const std::vector<SolutionRow>& rows, const std::vector<GnssFix>& fixes,
                                           const earth::Earth& earth, Time until, const Vector3d& jump) {
-    constexpr double interruption = 5.0, like = 0.5, sigmas = 4.0;  // s; of the size; of the fix
+    constexpr double like = 0.5, sigmas = 4.0;  // of the size; of the fix
     auto fix = std::ranges::upper_bound(fixes, until, {}, &GnssFix::time);
     std::optional<Time> end;
     while (fix != fixes.begin()) {
         --fix;
         const bool first = fix == fixes.begin();
         const GnssFix& before = first ? *fix : *std::prev(fix);
-        if (first || (fix->time - before.time).seconds() >= interruption) {
+        if (first || (fix->time - before.time).seconds() >= filter::interruption) {
             if (!end) return std::nullopt;
             return RefutedBeginning{fix->time, *end, jump};
         }
