@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace schuler::dataset {
 namespace {
@@ -96,7 +97,7 @@ void tell(const ppk::Solution& s, const std::string& base, WarningLog& warnings)
 
 }  // namespace
 
-CarrierPhase carrier_phase(const fs::path& folder, const Description& description, WarningLog& warnings) {
+CarrierPhase carrier_phase(const fs::path& folder, const Description& description, bool ranges, WarningLog& warnings) {
     RawLogs rover = read_raw_logs(folder, description.raw, warnings);
     const std::optional<Time> near =
         rover.logs.front().epochs.empty() ? std::nullopt : std::optional(rover.logs.front().epochs.front().time);
@@ -112,10 +113,14 @@ CarrierPhase carrier_phase(const fs::path& folder, const Description& descriptio
     input.source = source.get();
     input.single = description.raw.solver;
     input.ionosphere = gnss::broadcast_ionosphere(rover.navigation);
-    const ppk::Solution found = ppk::solve(input, settings_of(description, *input.ionosphere), warnings);
+    ppk::Settings settings = settings_of(description, *input.ionosphere);
+    settings.ranges = ranges;
+    ppk::Solution found = ppk::solve(input, settings, warnings);
     tell(found, input.base_name, warnings);
     CarrierPhase out;
     out.base = found.base;
+    out.ranges = std::move(found.ranges);
+    out.base_sigma = found.base_sigma;
     for (const ppk::EpochSolution& e : found.epochs) {
         if (e.quality == ppk::Quality::None) continue;
         out.fixes.push_back(fix_of(e));

@@ -26,6 +26,7 @@ void place_transmitters(RangingLog& log, const std::vector<io::StationRow>& stat
     std::size_t lost = 0;
     RangingLog out;
     out.sources = log.sources;
+    out.to_gps = log.to_gps;
     for (const RangeEpoch& e : log.epochs) {
         RangeEpoch kept{e.time, out.samples.size(), 0};
         for (RangeSample m : log.of(e)) {
@@ -98,6 +99,7 @@ RangingLog ranges_from_csv(const fs::path& folder, const Description& d, Warning
     const gnss::Navigation navigation = read_navigation(folder, d, warnings);
     const gnss::BroadcastSource orbits(navigation);
     const Duration to_gps = d.time.week ? Time::from_gps(*d.time.week, 0.0) - Time{} : Duration{};
+    log.to_gps = to_gps;
     place_transmitters(log, stations, navigation.size() > 0 ? &orbits : nullptr, to_gps, warnings);
     if (log.empty())
         throw input_error("has no range to a source whose place is known", {d.ranges.file, 0, 0, {}},
@@ -140,6 +142,27 @@ RawRanges ranges_from_raw(const fs::path& folder, const Description& d, WarningL
     }
     out.ionosphere = gnss::broadcast_ionosphere(navigation);
     warn_of_missing_ionosphere(out.ionosphere, d.raw, warnings);
+    return out;
+}
+
+RangingLog with_own(RangingLog relative, const RangingLog& own) {
+    RangingLog out;
+    out.sources = std::move(relative.sources);
+    out.carriers = std::move(relative.carriers);
+    const auto take = [&out](const RangingLog& from, const RangeEpoch& e, bool rename) {
+        RangeEpoch& added = out.epochs.emplace_back(e);
+        added.first = out.samples.size();
+        for (RangeSample m : from.of(e)) {
+            if (rename) m.source = out.source(from.sources[m.source].name + " alone", from.sources[m.source].station);
+            out.samples.push_back(m);
+        }
+    };
+    auto next = relative.epochs.begin();
+    for (const RangeEpoch& e : own.epochs) {
+        while (next != relative.epochs.end() && next->time <= e.time) take(relative, *next++, false);
+        if (out.epochs.empty() || out.epochs.back().time != e.time) take(own, e, true);
+    }
+    while (next != relative.epochs.end()) take(relative, *next++, false);
     return out;
 }
 

@@ -28,6 +28,9 @@ struct RawRanges {
 [[nodiscard]] RawRanges ranges_from_raw(const std::filesystem::path& folder, const Description& description,
                                         WarningLog& warnings);
 
+/// Ranges relative to a base, and at the epochs without them the receiver's own, as other sources: their errors are others.
+[[nodiscard]] RangingLog with_own(RangingLog relative, const RangingLog& own);
+
 /// Fixes from satellite ranges with their errors due to the geometry, north, east, down, one sigma.
 struct RangeFixes {
     std::vector<GnssFix> fixes;                        ///< with the sigma of the total error

@@ -201,7 +201,7 @@ std::vector<Rule> sensor_rules(const ResultBundle& b) {
          b.data.carrier.epochs.empty() ? c.base.observations.empty() ? "no base station is given (base.observations)"
                                          : !c.gnss.file.empty()      ? "gnss.file gives the fixes"
                                                                      : "the coupling takes ranges instead of fixes"
-         : fusion::uses_ranges(f.coupling)
+         : fusion::uses_ranges(f.coupling) && r.ranges.carriers.empty()
              ? "the coupling takes pseudoranges and range rates; positions by the phases against the base serve the start and the self-check "
                "alone, choose --scheme loose to use them"
              : ""},

@@ -34,6 +34,7 @@ namespace fs = std::filesystem;
 dataset::Reading reading_of(const settings::Config& c) {
     dataset::Reading reading;
     reading.imu = c.scheme != settings::Scheme::Gnss;
+    reading.ranges = c.scheme == settings::Scheme::Tight;
     // body to sensor: the axes, then the mounting
     reading.C_bs = math::dcm_from_rpy(c.filter.imu.mounting_rpy) * c.filter.imu.C_bs;
     reading.C_imu_mag = settings::C_imu_mag(c);
@@ -112,14 +113,16 @@ void read_ranges(const fs::path& folder, LoadedDataset& out, WarningLog& warning
     RangingLog& log = out.recording.ranges;
     log = csv ? dataset::ranges_from_csv(folder, c, warnings) : read_raw_ranges(folder, out, warnings);
     const auto axis = dataset::own_axis(out.recording);
+    if (!csv) take_ranges_to_base(out, warnings);
     if (!csv && !log.empty() && axis) {
         const Duration shift =
             Duration::from_seconds(c.gnss.time_offset) + -dataset::axis_zero(c.time, log.epochs.front().time, *axis);
         for (RangeEpoch& e : log.epochs) e.time = e.time + shift;
+        log.to_gps = -shift;
     }
     if (out.recording.gnss.empty() && c.gnss.file.empty()) take_fixes_from_ranges(out);
     // On a real log nobody knows that every range is healthy.
-    const bool monitored = !log.empty() && uses_ranges(c.filter.coupling) && !out.given.contains("filter.protection.use");
+    const bool monitored = !log.empty() && log.carriers.empty() && uses_ranges(c.filter.coupling) && !out.given.contains("filter.protection.use");
     if (monitored) c.filter.ranging.protection.use = true;
 }
 

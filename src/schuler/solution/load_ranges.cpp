@@ -1,9 +1,11 @@
 #include "schuler/solution/load_ranges.h"
 
 #include "schuler/dataset/ranges.h"
+#include "schuler/fusion/integer_search.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/settings/facts.h"
 
+#include <memory>
 #include <utility>
 
 namespace schuler::solution {
@@ -24,6 +26,28 @@ RangingLog ranges_from_raw(const std::filesystem::path& folder, settings::Config
     if (!given.contains("ranges.clock_std_m")) clock.bias = wander;
     if (!given.contains("ranges.drift_std_m_s")) clock.drift = off;
     return std::move(raw.log);
+}
+
+void take_ranges_to_base(LoadedDataset& data, WarningLog& warnings) {
+    settings::Config& c = data.config;
+    RangingLog& relative = data.carrier.ranges;
+    if (relative.empty()) return;
+    if (data.carrier.base_sigma > 0.0) {
+        warnings.add(
+            "base.tight",
+            "the ranges are not taken relative to the base, whose position is not known well enough: give base.position");
+        relative = {};
+        return;
+    }
+    data.recording.ranges = dataset::with_own(std::exchange(relative, {}), data.recording.ranges);
+    fusion::RangingFilterSettings& f = c.filter.ranging;
+    f.phase_correlation = c.base.settings.phase_correlation;
+    if (c.base.settings.integers.use) f.integers = std::make_shared<fusion::PpkIntegerSearch>(c.base.settings.integers);
+    if (!f.protection.use) return;
+    f.protection.use = false;
+    warnings.add(
+        "base.protection",
+        "filter.protection watches pseudoranges: with the carrier phases of a base it is off, and their slips are found one by one");
 }
 
 void take_fixes_from_ranges(LoadedDataset& data) {

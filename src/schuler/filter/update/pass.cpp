@@ -227,6 +227,9 @@ void Pass<Frame>::process(FilterRun<Frame>& run, const RangeEpoch& epoch, Observ
         return;
     }
     observer.ranges(run, epoch);
+    if (model_.layout.ambiguity < 0 || epoch.carriers == 0 || run.ranges.work.withheld) return;
+    const CarrierUse use = update_with_ranges_.use_carriers(run.filter, run.ranges, log, epoch, listener);
+    observer.carriers(run, epoch, use);
 }
 
 template class Pass<GeographicFrame>;

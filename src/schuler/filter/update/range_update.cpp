@@ -69,7 +69,7 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
     const Layout& L = model_.layout;
     const earth::Earth& earth = model_.earth;
     const double way = backward_ ? -1.0 : 1.0;  // direction of the filter's time in that of the ranges
-    const Time time = backward_ ? Time{-f.time().ns} : f.time();
+    const Time time = (backward_ ? Time{-f.time().ns} : f.time()) + log.to_gps;
     const auto nominal = [&](int i) { return f.parameters(i) - f.error(i) - dx(i); };  // states are renewed below
     const NavState nav = Frame::geographic(earth, Frame::corrected(earth, f.estimated(model_), dx.head<9>()));
     const AntennaEstimate a = antenna(f, dx, way);
@@ -88,7 +88,7 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
         const Vector3d velocity = m.tx_velocity.allFinite() ? m.tx_velocity : Vector3d(Vector3d::Zero());
         const RangeRows now = range_rows(a, m.tx, velocity);
         // u points down to the receiver: a signal from above has a positive down component
-        const bool delayed = air && !source.station;
+        const bool delayed = air && !source.station && !m.differential;
         const gnss::Direction direction{delayed ? std::atan2(-now.u_n.y(), -now.u_n.x()) : 0.0,
                                         std::asin(std::clamp(now.u_n.z(), -1.0, 1.0))};
         if (!source.station && direction.elevation < settings_.corrections.elevation_mask) continue;

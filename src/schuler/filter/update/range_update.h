@@ -9,6 +9,8 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 
@@ -73,9 +75,33 @@ struct RangeTracking {
         Ecef tx_end{}, tx_begin{};  ///< the transmitter at those times; not finite: unknown
     };
     std::array<Phase, 12> phases{};
+    /// A state of the layout's ambiguities.
+    struct Ambiguity {
+        int source = -1;  ///< index into RangingLog::sources; -1: free
+        std::uint8_t carrier = 0;
+        int arc = 0;
+        Time seen{};
+        std::optional<Time> used{};                                 ///< of its last phase in the filter
+        bool jumped = false;                                        ///< begun by a phase that did not fit: perhaps half cycles
+        bool trusted = false;                                       ///< among the integers last found
+        bool held = false;                                          ///< the filter has been told its integer
+        double integer = std::numeric_limits<double>::quiet_NaN();  ///< m, last found: differences within a group matter
+    };
+    std::array<Ambiguity, Layout::most_ambiguities> ambiguities{};
+    int same_integers = 0;  ///< epochs in a row with the same integers
+    Time same_since{};
     std::optional<Time> cloned{};  ///< time at which the antenna was in the position of the layout's antenna block
     FaultWatch watch;
     RangeEpochWork work;
+};
+
+/// What became of an epoch's carrier phases.
+struct CarrierUse {
+    int phases = 0;      ///< used
+    int slipped = 0;     ///< whose ambiguity began anew
+    int whole = 0;       ///< ambiguities of them that may be integers
+    int held = 0;        ///< of which the filter knows the integer
+    double ratio = 0.0;  ///< of the last search; 0: none
 };
 
 /// Observer of an update with ranges, for stepping back over it later.
@@ -113,6 +139,12 @@ public:
     int operator()(InertialFilter<Frame>& filter, RangeTracking& tracking, const RangingLog& log,
                    std::span<const RangeSample> samples, RangeListener* listener) const;
 
+    /// Carrier phases relative to a base, of an epoch whose ranges have been used: their ambiguities are states. A phase that
+    /// contradicts the others and the prediction has slipped, and its ambiguity begins anew. Integers that are found several times in a
+    /// row are told to the filter. The scalars of the epoch are then those of the phases.
+    CarrierUse use_carriers(InertialFilter<Frame>& filter, RangeTracking& tracking, const RangingLog& log,
+                            const RangeEpoch& epoch, RangeListener* listener) const;
+
     /// Fills the scalars of an epoch for an estimate: that of `filter` corrected by `dx`. Rows refer to the current errors of the
     /// filter, so that innovation = row . error + noise to first order about the corrected estimate (an iterated update).
     void make_scalars(InertialFilter<Frame>& filter, RangeTracking& tracking, const RangingLog& log,
@@ -124,6 +156,17 @@ public:
                               RangeListener* listener) const;
 
 private:
+    /// State of an ambiguity, assigned if it has none; -1: all are in use.
+    [[nodiscard]] int ambiguity_of(InertialFilter<Frame>& filter, RangeTracking& tracking, const CarrierSample& sample,
+                                   RangeListener* listener) const;
+    void begin_ambiguity(InertialFilter<Frame>& filter, RangeTracking& tracking, int which, double more,
+                         RangeListener* listener) const;
+    /// Fills the scalars with phases; RangeScalar::slot is the number of the ambiguity.
+    void make_carriers(const InertialFilter<Frame>& filter, RangeTracking& tracking, const RangingLog& log,
+                       const RangeEpoch& epoch, const std::array<int, RangeEpochWork::most>& assigned) const;
+    /// Searches integers and tells them to the filter.
+    void find_integers(InertialFilter<Frame>& filter, RangeTracking& tracking, const RangingLog& log, const RangeEpoch& epoch,
+                       RangeListener* listener, CarrierUse& use) const;
     [[nodiscard]] const sensor::RangeErrorModel& errors_of(bool station) const {
         return station ? settings_.errors.station : settings_.errors.satellite;
     }
