@@ -260,6 +260,40 @@ TEST_F(MadeUp, LongBaselineUnderADisturbedIonosphere) {
     }
 }
 
+/// A storm: the ionosphere differs by 10 to 50 mm a kilometre. The integers are right, and the height is off by twice the difference:
+/// two carriers show it.
+TEST_F(MadeUp, AStormOfTheIonosphereOverTwoKilometres) {
+    rover.place = [](Time t) {
+        const double a = (t - start).seconds() / 8.0;
+        return test::place_from(origin, 1600.0 + 40.0 * std::cos(a), 1200.0 + 40.0 * std::sin(a), 400.0);
+    };
+    rover.air = base.air = true;
+    settings.air.troposphere = true;
+    single.ranges.troposphere = gnss::TroposphereModel::Saastamoinen;
+    single.ranges.ionosphere = gnss::IonosphereModel::Broadcast;
+    settings.air.ionosphere = gnss::BroadcastIonosphere{};
+    settings.frequencies = 2;
+    for (const double vertical : {0.0, 0.02, 0.05, 0.1}) {
+        std::size_t outside = 0, epochs = 0, fixed = 0;
+        double largest = 0.0, sigma = 0.0;
+        for (std::uint64_t seed = 40; seed < 44; ++seed) {
+            rover.vertical_ionosphere = [vertical](SatelliteId, double) { return vertical; };
+            measure(120.0, seed);
+            const Solution s = solved();
+            const Errors e = errors(s);
+            outside += e.outside;
+            epochs += e.epochs;
+            fixed += e.fixed;
+            largest = std::max(largest, e.largest);
+            sigma = std::max(sigma, std::sqrt(s.epochs.back().covariance.trace()));
+        }
+        fmt::print("{} mm over 2 km: {} of {} epochs fixed, {} outside, {:.0f} mm at most, sigma {:.0f} mm\n", 1e3 * vertical,
+                   fixed, epochs, outside, 1e3 * largest, 1e3 * sigma);
+        EXPECT_LE(outside, epochs / 50);
+        if (vertical == 0.0) EXPECT_LT(sigma, 0.02);
+    }
+}
+
 TEST_F(MadeUp, BasesThatAreNone) {
     const auto message = [&](std::optional<Ecef> position = {}) { return io::test::message_of([&] { (void)solved(position); }); };
     const Ecef right = test::place_from(origin, 0, 0, 0);

@@ -56,6 +56,7 @@ std::vector<Difference> single_differences(const TrackedEpoch& rover, const Base
                 left += square(d.factor * settings.left.ionosphere_gradient * baseline * shell_mapping(d.elevation));
             d.phase_variance = square(settings.phase_sigma) * (here + c.phase_factor * there) + left;
             constexpr double of_air = 0.25;  // neighbouring satellites are seen through the same air
+            d.left = left;
             d.repeated = of_air * left;
             d.code_variance = square(settings.code_sigma) * (here + c.code_factor * there) + left;
             // other tracking modes, and receivers on GLONASS's many carriers, have code delays that depend on the satellite

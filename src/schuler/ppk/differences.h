@@ -24,6 +24,7 @@ struct Difference {
     double wavelength = 0;
     double code = not_given, phase = not_given;
     double code_variance = 0, phase_variance = 0;  ///< m^2
+    double left = 0;                               ///< m^2, part of both that air, orbit and satellite clock leave
     double repeated = 0;                           ///< m^2, part of the phase variance common to neighbouring epochs
     int rover_arc = 0, base_arc = 0;
 };

@@ -117,7 +117,6 @@ RangingLog differential_ranges(const std::vector<TrackedEpoch>& rover, const Bas
             const auto first = std::ranges::find_if(differences, of_satellite);
             if (first == differences.end()) continue;
             const double modelled = line_to(s, position, geodetic).range - s.clock + clock;
-            constexpr double of_air = 0.25;  // Difference::repeated
             RangeSample m;
             m.source = log.source(gnss::name_of(s.id), false);
             m.differential = true;
@@ -129,7 +128,7 @@ RangingLog differential_ranges(const std::vector<TrackedEpoch>& rover, const Bas
             m.tx_clock = s.clock / gnss::speed_of_light;
             m.tx_clock_rate = s.clock_rate / gnss::speed_of_light;
             m.frequency = gnss::speed_of_light / first->wavelength;
-            m.variance = first->repeated / of_air;
+            m.variance = first->left;
             m.noise = std::sqrt(std::max(first->code_variance - m.variance, 0.0)) /
                       (settings.code_sigma * gnss::noise_factor(first->elevation, m.cn0));
             log.samples.push_back(m);
