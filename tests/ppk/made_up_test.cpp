@@ -265,7 +265,7 @@ TEST_F(MadeUp, LongBaselineUnderADisturbedIonosphere) {
 TEST_F(MadeUp, AStormOfTheIonosphereOverTwoKilometres) {
     rover.place = [](Time t) {
         const double a = (t - start).seconds() / 8.0;
-        return test::place_from(origin, 1600.0 + 40.0 * std::cos(a), 1200.0 + 40.0 * std::sin(a), 400.0);
+        return test::place_from(origin, 1600.0 + 40.0 * std::cos(a), 1200.0 + 40.0 * std::sin(a), 20.0);
     };
     rover.air = base.air = true;
     settings.air.troposphere = true;

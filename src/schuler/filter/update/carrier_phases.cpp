@@ -22,14 +22,6 @@ using Ambiguity = RangeTracking::Ambiguity;
 /// Carriers of one system whose ambiguities differ by whole cycles.
 int group_of(const RangingLog& log, const CarrierSample& c) { return 8 * log.sources[c.source].name.front() + c.carrier; }
 
-/// Neighbouring phases have errors in common: of n with a first-order Gauss-Markov error the first gives one unit of information
-/// about a constant and each further one (1 - rho) / (1 + rho) [Brown2012]: the factor on a variance.
-double lasting(double apart, double correlation) {
-    if (!(correlation > 0.0)) return 1.0;
-    const double rho = std::exp(-std::abs(apart) / correlation);
-    return (1.0 + rho) / std::max(1.0 - rho, 1e-3);
-}
-
 }  // namespace
 
 template <class Frame>
@@ -62,8 +54,12 @@ int RangeUpdate<Frame>::ambiguity_of(InertialFilter<Frame>& f, RangeTracking& tr
         a.arc = c.arc;
         begin_ambiguity(f, tracking, which, 0.0, listener);
     } else {
+        // Reflections change a phase by its sigma within the correlation time: a wander of the ambiguity. Neighbouring epochs err alike,
+        // so that their difference, a velocity, is known well and their mean no better than one of them.
+        const double wander = settings_.phase_correlation > 0.0 ? 2.0 * c.variance / settings_.phase_correlation : 0.0;
         const int state = model_.layout.ambiguity + which;
-        f.P(state, state) += settings_.ambiguity_walk * settings_.ambiguity_walk * std::abs((f.time() - a.seen).seconds());
+        f.P(state, state) +=
+            (settings_.ambiguity_walk * settings_.ambiguity_walk + wander) * std::abs((f.time() - a.seen).seconds());
     }
     a.seen = f.time();
     return which;
@@ -214,11 +210,7 @@ CarrierUse RangeUpdate<Frame>::use_carriers(InertialFilter<Frame>& f, RangeTrack
         if (most) break;
     }
     work.excluded = excluded;
-    for (RangeScalar& s : work.all()) {
-        Ambiguity& a = tracking.ambiguities[static_cast<std::size_t>(s.slot)];
-        if (a.used) s.variance *= lasting((f.time() - *a.used).seconds(), settings_.phase_correlation);
-        a.used = f.time();
-    }
+    for (const RangeScalar& s : work.all()) tracking.ambiguities[static_cast<std::size_t>(s.slot)].used = f.time();
     (void)use_all(open, update, work, dx, listener);
     update.apply(f.P);
     f.apply(model_, dx);
