@@ -290,7 +290,9 @@ TEST_F(MadeUp, AStormOfTheIonosphereOverTwoKilometres) {
         fmt::print("{} mm over 2 km: {} of {} epochs fixed, {} outside, {:.0f} mm at most, sigma {:.0f} mm\n", 1e3 * vertical,
                    fixed, epochs, outside, 1e3 * largest, 1e3 * sigma);
         EXPECT_LE(outside, epochs / 50);
-        if (vertical == 0.0) EXPECT_LT(sigma, 0.02);
+        if (vertical == 0.0) {
+            EXPECT_LT(sigma, 0.02);
+        }
     }
 }
 

@@ -116,8 +116,8 @@ void RangeUpdate<Frame>::find_integers(InertialFilter<Frame>& f, RangeTracking& 
         if (!c.whole || found == tracking.ambiguities.end() || n == floats.size()) continue;
         const bool halves = c.halves || found->jumped;
         which[n] = static_cast<int>(found - tracking.ambiguities.begin());
-        floats[n++] = {c.source, c.carrier,   group_of(log, c), (halves ? 0.5 : 1.0) * c.wavelength,
-                       halves,   c.elevation, c.repeated,       found->trusted};
+        floats[n++] = {c.source, c.carrier,   group_of(log, c),        (halves ? 0.5 : 1.0) * c.wavelength,
+                       halves,   c.elevation, c.variance + c.repeated, found->trusted};
     }
     use.whole = static_cast<int>(n);
     const auto size = static_cast<Eigen::Index>(n);
