@@ -34,11 +34,10 @@ void keep(Eigen::VectorXd& x, Eigen::MatrixXd& P, const std::vector<Eigen::Index
 
 BaselineFilter::BaselineFilter(const Settings& settings, const SignalPlan& plan, const BaseStation& station,
                                bool estimate_ionosphere)
-    : settings_(settings),
-      plan_(plan),
-      station_(station),
-      ionosphere_(estimate_ionosphere),
-      quiet_gradient_(settings.left.ionosphere_gradient) {}
+    : settings_(settings), plan_(plan), station_(station), ionosphere_(estimate_ionosphere) {
+    constexpr std::ptrdiff_t enough = 5;
+    two_carriers_ = std::ranges::count_if(plan.of, [](const auto& pairs) { return pairs.size() > 1; }) >= enough;
+}
 
 void BaselineFilter::begin_at(const TrackedEpoch& rover) {
     if (!begun_) {
@@ -58,12 +57,19 @@ void BaselineFilter::begin_at(const TrackedEpoch& rover) {
     P_.block<3, 3>(3, 3) = (moves ? speed * speed : 0.0) * Eigen::Matrix3d::Identity();
     if (begun_) return;
     begun_ = true;
-    if (!settings_.air.troposphere) return;
     const AirLeft& left = settings_.left;
     const double length = (rover.position.r - station_.position().r).norm();
+    if (settings_.air.ionosphere && !ionosphere_) P_(7, 7) = std::pow(zenith_ionosphere(length), 2);
+    if (!settings_.air.troposphere) return;
     const Geodetic here = earth::geodetic_from_ecef(earth::wgs84, rover.position);
     P_(6, 6) = std::pow(left.zenith_least + left.zenith_gradient * length, 2) +
                std::pow(left.zenith_height * (here.h - station_.geodetic().h), 2);
+}
+
+/// One sigma of the difference of vertical ionospheric delays, m. Two carriers tell it within a few epochs, and may therefore expect a
+/// storm; one carrier cannot.
+double BaselineFilter::zenith_ionosphere(double baseline) const {
+    return (two_carriers_ ? settings_.left.ionosphere_storm : settings_.left.ionosphere_gradient) * baseline;
 }
 
 void BaselineFilter::predict(double dt) {
@@ -81,18 +87,21 @@ void BaselineFilter::predict(double dt) {
         P_.block<3, 3>(3, 3) += q * span * I;
     }
     if (settings_.air.troposphere) P_(6, 6) += std::pow(settings_.left.zenith_walk * std::max(baseline_, 1e3) / 1e4, 2) * span;
+    const double decay = std::exp(-span / settings_.left.ionosphere_time);
+    const auto fade = [&](Eigen::Index k, double sigma) {
+        x_[k] *= decay;
+        P_.row(k) *= decay;
+        P_.col(k) *= decay;
+        P_(k, k) += (1.0 - decay * decay) * sigma * sigma;
+    };
+    if (settings_.air.ionosphere && !ionosphere_) fade(7, zenith_ionosphere(baseline_));
     for (std::size_t i = 0; i < entries_.size(); ++i) {
         const Eigen::Index k = leading + static_cast<Eigen::Index>(i);
         if (!entries_[i].ionosphere) {
             P_(k, k) += settings_.phase_walk * settings_.phase_walk * span;
             continue;
         }
-        const double decay = std::exp(-span / settings_.left.ionosphere_time),
-                     sigma = settings_.left.ionosphere_disturbed * baseline_;
-        x_[k] *= decay;
-        P_.row(k) *= decay;
-        P_.col(k) *= decay;
-        P_(k, k) += (1.0 - decay * decay) * sigma * sigma;
+        fade(k, settings_.left.ionosphere_disturbed * baseline_);
     }
 }
 
@@ -258,7 +267,6 @@ void BaselineFilter::use_integers(Time tag, double dt, EpochSolution& out) {
     const Eigen::VectorXd x = x_ + trial.fix->correction;
     const double squares = place(tag, x, trial.fix->covariance, out);
     if (trial.fix->count == trial.fix->ambiguities) {
-        follow_ionosphere(x, dt);
         phase_scale_.add(phase_scale_.value() * squares, trial.fix->ambiguities - 3.0, dt);
         place(tag, x, trial.fix->covariance, out);
     }
@@ -271,44 +279,6 @@ void BaselineFilter::use_integers(Time tag, double dt, EpochSolution& out) {
     if (out.covariance.trace() < fixed_sigma * fixed_sigma) out.quality = Quality::Fixed;
     if (settings_.views) look_at_signals(x, true, out);
     if (trial.fix->count == trial.fix->ambiguities) hold(*trial.fix);
-}
-
-/// Two carriers with integers show what is left of the ionosphere: their difference, as far as it grows towards the horizon as a
-/// vertical delay does. It is not a state on short baselines, where it is usually below the noise: the sigmas grow instead.
-void BaselineFilter::follow_ionosphere(const Eigen::VectorXd& x, double dt) {
-    if (ionosphere_ || !settings_.air.ionosphere || !(baseline_ > 0.0)) return;
-    struct Sums {
-        double weight = 0, by = 0, z = 0, by_by = 0, by_z = 0;
-    };
-    std::map<std::pair<int, int>, Sums> pairs;  // carriers of one system: their ambiguities have a constant in common
-    for (std::size_t k = 0; k + 1 < differences_.size(); ++k) {
-        const Difference &a = differences_[k], &b = differences_[k + 1];  // those of one satellite are adjacent
-        if (a.id != b.id || !entry_of(k).trusted || !entry_of(k + 1).trusted) continue;
-        const double z = (a.phase - x[ambiguity_[k]]) - (b.phase - x[ambiguity_[k + 1]]),
-                     by = (b.factor - a.factor) * shell_mapping(a.elevation),
-                     w = 1.0 / (a.phase_variance - a.left + b.phase_variance - b.left);
-        Sums& s = pairs[{group_of(a), group_of(b)}];
-        s.weight += w;
-        s.by += w * by;
-        s.z += w * z;
-        s.by_by += w * by * by;
-        s.by_z += w * by * z;
-    }
-    double information = 0.0, right = 0.0;
-    for (const auto& [carriers, s] : pairs) {
-        information += s.by_by - s.by * s.by / s.weight;
-        right += s.by_z - s.by * s.z / s.weight;
-    }
-    constexpr double least = 1.0;  // 1/m^2
-    if (information < least) return;
-    constexpr double memory = 120.0;  // s
-    ionosphere_weight_ = ionosphere_weight_ * std::exp(-std::abs(dt) / memory) + information;
-    zenith_ionosphere_ += (right / information - zenith_ionosphere_) * information / ionosphere_weight_;
-    // what this many phases, which err alike for some time, would show without any
-    const double alike = 1.0 + 2.0 * settings_.phase_correlation / std::max(std::abs(dt), 1e-3);
-    const double noise = phase_scale_.value() * std::min(alike / ionosphere_weight_, 1.0 / information);
-    const double seen = std::sqrt(std::max(zenith_ionosphere_ * zenith_ionosphere_ - noise, 0.0));
-    settings_.left.ionosphere_gradient = std::max(quiet_gradient_, seen / baseline_);
 }
 
 /// Once the same integers have been fixed for some epochs, the float solution is constrained to them: when satellites slip or

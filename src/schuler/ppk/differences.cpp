@@ -16,6 +16,8 @@ double shell_mapping(double elevation) {
     return 1.0 / std::sqrt(1.0 - at_shell * at_shell);
 }
 
+double Difference::vertical_factor() const { return factor * shell_mapping(elevation); }
+
 std::vector<Difference> single_differences(const TrackedEpoch& rover, const BaseEpoch& base, const BaseStation& station,
                                            const SignalPlan& plan, const Ecef& position, const Settings& settings,
                                            bool ionosphere_is_estimated) {
