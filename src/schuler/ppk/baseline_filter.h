@@ -26,7 +26,7 @@ public:
     EpochSolution step(const TrackedEpoch& rover);
 
 private:
-    static constexpr Eigen::Index leading = 8;  ///< position, velocity, zenith delays of troposphere and ionosphere
+    static constexpr Eigen::Index leading = 7;  ///< position, velocity, zenith delay
 
     /// A state other than the leading ones.
     struct Entry {
@@ -77,7 +77,6 @@ private:
     [[nodiscard]] const Entry& entry_of(std::size_t difference) const {
         return entries_[static_cast<std::size_t>(ambiguity_[difference] - leading)];
     }
-    [[nodiscard]] double zenith_ionosphere(double baseline) const;
     void predict(double dt);
     void begin_at(const TrackedEpoch& rover);
     void settle_states(const TrackedEpoch& rover, Time before);
@@ -94,6 +93,7 @@ private:
     bool update(Time tag, double dt, EpochSolution& out);
     void use_velocity(const TrackedEpoch& rover);
     void use_integers(Time tag, double dt, EpochSolution& out);
+    void follow_ionosphere(const Eigen::VectorXd& x, double dt);
     void hold(const IntegerFix& fix);
     [[nodiscard]] EpochSolution single(const TrackedEpoch& rover) const;
     void look_at_signals(const Eigen::VectorXd& x, bool integers, EpochSolution& out) const;
@@ -102,7 +102,6 @@ private:
     const SignalPlan& plan_;
     const BaseStation& station_;
     bool ionosphere_;
-    bool two_carriers_;  ///< of enough satellites to tell an ionosphere that all have in common
     bool begun_ = false;
     Time tag_;
     Eigen::VectorXd x_;  ///< position absolute, the other states as in the filter
@@ -114,6 +113,11 @@ private:
     std::vector<bool> code_out_;
     std::map<int, double> offsets_;
     Scale code_scale_{0.25}, phase_scale_{1.0};
+    /// Vertical ionospheric delay on L1, rover minus base, beyond the models.
+    struct Vertical {
+        double mean = 0, weight = 0;  ///< m, 1/m^2: over some minutes
+        double variance = 0;          ///< m^2, as far as it is more than noise
+    } vertical_;
     std::map<std::pair<SatelliteId, std::uint8_t>, Time> code_;  ///< last use of a signal's code
     int same_integers_ = 0;                                      ///< consecutive epochs
     Ecef linearised_;                                            ///< position at which the differences were computed

@@ -78,8 +78,7 @@ BaselineFilter::Rows BaselineFilter::rows(Time tag, Weighting weighting, const E
             out.H(i, delay_[row.of]) += sign * d.factor;
             out.H(i, delay_[row.reference]) -= sign * o.factor;
         }
-        if (settings_.air.ionosphere && !ionosphere_) out.H(i, 7) = sign * (d.vertical_factor() - o.vertical_factor());
-        double modelled = out.H(i, 6) * x[6] + out.H(i, 7) * x[7];
+        double modelled = out.H(i, 6) * x[6];
         if (ionosphere_) modelled += sign * (d.factor * x[delay_[row.of]] - o.factor * x[delay_[row.reference]]);
         if (row.phase) {
             out.H(i, ambiguity_[row.of]) = 1.0;
@@ -101,8 +100,7 @@ void BaselineFilter::look_at_signals(const Eigen::VectorXd& x, bool integers, Ep
     for (std::size_t k = 0; k < differences_.size(); ++k) {
         const Difference& d = differences_[k];
         const Entry& e = entries_[static_cast<std::size_t>(ambiguity_[k] - leading)];
-        const double common = d.towards.dot(moved) + d.mapping * x[6],
-                     ionosphere = ionosphere_ ? d.factor * x[delay_[k]] : d.vertical_factor() * x[7];
+        const double common = d.towards.dot(moved) + d.mapping * x[6], ionosphere = ionosphere_ ? d.factor * x[delay_[k]] : 0.0;
         SignalView v{d.id,
                      d.band,
                      d.elevation,
@@ -190,7 +188,7 @@ void BaselineFilter::judge_codes(double dt) {
         for (const std::size_t k : members) {
             const Difference& d = differences_[k];
             const double w = 1.0 / d.code_variance,
-                         z = d.code - d.mapping * x_[6] - (ionosphere_ ? d.factor * x_[delay_[k]] : d.vertical_factor() * x_[7]);
+                         z = d.code - d.mapping * x_[6] - (ionosphere_ ? d.factor * x_[delay_[k]] : 0.0);
             weights += w;
             code += w * z;
             towards += w * d.towards;

@@ -34,7 +34,6 @@ enum class Direction { Forward, Backward, Combined };
 /// Residual atmospheric errors between two receivers, one sigma.
 struct AirLeft {
     double ionosphere_gradient = 1.5e-6;   ///< vertical delay on L1 per metre of baseline: quiet and moderate days
-    double ionosphere_storm = 3e-5;        ///< likewise in a storm, common to all satellites: expected with two carriers
     double ionosphere_disturbed = 2.5e-6;  ///< likewise before it is estimated
     double ionosphere_time = 1800.0;       ///< s, correlation time of the estimated difference
     double ionosphere_states_from = 5e3;   ///< m of baseline from which it is estimated for each satellite
