@@ -308,7 +308,7 @@ void BaselineFilter::follow_ionosphere(const Eigen::VectorXd& x, double dt) {
     v.mean += (right / information - v.mean) * information / v.weight;
     // the variance of this mean: phases err alike for some time
     const double alike = 1.0 + 2.0 * settings_.phase_correlation / std::max(std::abs(dt), 1e-3);
-    const double noise = phase_scale_.value() * std::min(alike / v.weight, 1.0 / information);
+    const double noise = std::min(alike / v.weight, 1.0 / information);
     v.variance = std::max(v.mean * v.mean - noise, 0.0);
 }
 
