@@ -275,8 +275,8 @@ void BaselineFilter::use_integers(Time tag, double dt, EpochSolution& out) {
 }
 
 /// Two carriers with integers show by how much the vertical delay of the ionosphere differs between the receivers: the difference of
-/// their phases grows with it towards the horizon. On short baselines it is usually below the noise and no state; in a storm `place`
-/// allows for it.
+/// their phases grows with it towards the horizon. On short baselines it is usually below the noise and no state; in a storm the
+/// measurements are corrected by it.
 void BaselineFilter::follow_ionosphere(const Eigen::VectorXd& x, double dt) {
     if (ionosphere_ || !settings_.air.ionosphere) return;
     struct Sums {
@@ -309,7 +309,8 @@ void BaselineFilter::follow_ionosphere(const Eigen::VectorXd& x, double dt) {
     // the variance of this mean: phases err alike for some time
     const double alike = 1.0 + 2.0 * settings_.phase_correlation / std::max(std::abs(dt), 1e-3);
     const double noise = std::min(alike / v.weight, 1.0 / information);
-    v.variance = std::max(v.mean * v.mean - noise, 0.0);
+    v.value = v.mean * std::max(1.0 - noise / (v.mean * v.mean), 0.0);  // as far as it is more than noise
+    v.variance = std::min(noise, v.value * v.value);
 }
 
 /// Once the same integers have been fixed for some epochs, the float solution is constrained to them: when satellites slip or

@@ -115,8 +115,8 @@ private:
     Scale code_scale_{0.25}, phase_scale_{1.0};
     /// Vertical ionospheric delay on L1, rover minus base, beyond the models.
     struct Vertical {
-        double mean = 0, weight = 0;  ///< m, 1/m^2: over some minutes
-        double variance = 0;          ///< m^2, as far as it is more than noise
+        double mean = 0, weight = 0;     ///< m, 1/m^2: over some minutes
+        double value = 0, variance = 0;  ///< m, m^2: what is used of it
     } vertical_;
     std::map<std::pair<SatelliteId, std::uint8_t>, Time> code_;  ///< last use of a signal's code
     int same_integers_ = 0;                                      ///< consecutive epochs
