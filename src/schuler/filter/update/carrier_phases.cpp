@@ -104,7 +104,7 @@ void RangeUpdate<Frame>::make_carriers(const InertialFilter<Frame>& f, RangeTrac
 template <class Frame>
 void RangeUpdate<Frame>::find_integers(InertialFilter<Frame>& f, RangeTracking& tracking, const RangingLog& log,
                                        const RangeEpoch& epoch, RangeListener* listener, CarrierUse& use) const {
-    constexpr int often = 3;
+    constexpr int often = 2;
     constexpr double span = 2.0, same = 0.02, held_sigma = 0.01;  // s, m, m
     std::array<FloatAmbiguity, Layout::most_ambiguities> floats;
     std::array<int, Layout::most_ambiguities> which;

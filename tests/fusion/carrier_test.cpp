@@ -1,0 +1,141 @@
+// The tight filter with carrier phases relative to a base: float and fixed, slips that no receiver reports, the smoother.
+#include "fusion/range_flight.h"
+#include "schuler/fusion/integer_search.h"
+#include "schuler/math/random.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <memory>
+
+namespace schuler::fusion {
+namespace {
+
+using namespace test;
+
+constexpr std::array<double, 2> wavelengths{0.190293672798365, 0.244210213424568};  // m, L1 and L2
+
+/// The flight's ranges with the errors that a base leaves, and phases on two carriers. `slip`: whole cycles of the first satellite's
+/// first carrier from 60 s on, in the same arc.
+Flight flight_with_base(std::uint64_t seed, int slip = 0) {
+    Flight f = flight();
+    sim::RangingScenario frame{3, 120.0, {}, Time::from_gps(2300, 3600.0), f.earth};
+    sim::RangingSettings r;
+    r.lever_arm_b = f.settings.gnss.lever_arm_b;
+    r.navigation = gnss::nominal_gps(frame.gps, frame.gps + Duration::from_seconds(frame.duration));
+    r.masks.throughout = true;
+    r.errors.satellite.white = r.errors.satellite.correlated = 0.0;  // the clock is the same, it has a random stream of its own
+    sim::WeavingFlight weave;
+    weave.start = {52.3 * units::deg, 104.3 * units::deg, 3000.0};
+    weave.duration = frame.duration;
+    const auto path = sim::make_path(sim::weaving_path(weave, f.earth.ellipsoid), f.earth.ellipsoid);
+    RangingLog log = sim::simulate_ranges(frame, *path, r).log;
+    math::Random random(seed, "carriers");
+    std::map<std::pair<int, std::size_t>, double> cycles;
+    for (RangeEpoch& e : log.epochs) {
+        e.first_carrier = log.carriers.size();
+        for (std::size_t i = e.first; i < e.first + e.count; ++i) {
+            RangeSample& m = log.samples[i];
+            m.differential = true;
+            const double exact = m.pseudorange;
+            m.pseudorange += 0.5 * random.normal();
+            for (std::size_t k = 0; k < wavelengths.size(); ++k) {
+                const auto [it, fresh] = cycles.try_emplace({m.source, k}, 0.0);
+                if (fresh) it->second = std::floor(40.0 * random.uniform() - 20.0);
+                const bool slipped = m.source == 0 && k == 0 && e.time.seconds() >= 60.0;
+                CarrierSample c;
+                c.source = m.source;
+                c.carrier = static_cast<std::uint8_t>(k);
+                c.arc = 1;
+                c.wavelength = wavelengths[k];
+                c.phase = exact + 0.004 * random.normal() + (it->second + (slipped ? slip : 0)) * c.wavelength;
+                c.elevation = 0.5;
+                c.variance = 0.004 * 0.004;
+                log.carriers.push_back(c);
+                ++e.carriers;
+            }
+        }
+    }
+    f.recording.ranges = std::move(log);
+    f.settings.ranging.errors.satellite = {.white = 0.5, .correlated = 0.5, .correlation_time = 60.0};
+    f.settings.ranging.integers = std::make_shared<PpkIntegerSearch>(ppk::IntegerSettings{});
+    return f;
+}
+
+struct Found {
+    double largest = 0.0, sigma = 0.0;  ///< m, three-dimensional
+    std::size_t epochs = 0, outside = 0;
+};
+Found errors(const Flight& f, const std::vector<SolutionRow>& rows, double from) {
+    Found out;
+    for (const SolutionRow& row : rows) {
+        const auto k = static_cast<std::size_t>(std::llround(row.time.seconds()));
+        if (row.time.seconds() < from || k >= f.recording.reference.size()) continue;
+        const Eigen::Vector3d e = earth::ned_difference(f.earth, row.position, f.recording.reference[k].position);
+        ++out.epochs;
+        out.largest = std::max(out.largest, e.norm());
+        out.sigma = std::max(out.sigma, row.std_position.norm());
+        out.outside += (e.array().abs() > 3.0 * row.std_position.array()).any() ? 1 : 0;
+    }
+    return out;
+}
+
+TEST(Carriers, IntegersWithinSecondsInBothFrames) {
+    for (const Mechanization frame : {Mechanization::Geographic, Mechanization::Ecef}) {
+        Flight f = flight_with_base(1);
+        f.settings.mechanization = frame;
+        const Result fixed = run(f);
+        const auto& rows = fixed.forward.carriers;
+        ASSERT_GT(rows.size(), 100U);
+        EXPECT_GE(rows[3].held, rows[3].ambiguities - 2);
+        EXPECT_EQ(rows.back().slipped, 0);
+        const Found with = errors(f, fixed.forward.rows, 5.0);
+        EXPECT_LT(with.largest, 0.03);
+        EXPECT_LT(with.sigma, 0.04);
+        EXPECT_LE(with.outside, 1U);
+        f.settings.ranging.integers.reset();
+        const Result floating = run(f);
+        EXPECT_EQ(floating.forward.carriers.back().held, 0);
+        const Found without = errors(f, floating.forward.rows, 5.0);
+        EXPECT_GT(without.largest, 2.0 * with.largest);
+        EXPECT_LE(without.outside, without.epochs / 50);
+    }
+}
+
+/// The receiver says nothing, and the arc goes on: the other phases and the inertial unit contradict it.
+TEST(Carriers, ASlipIsFoundByTheUnit) {
+    for (const int cycles : {1, -1, 5, 1000}) {
+        const Flight f = flight_with_base(2, cycles);
+        const Result result = run(f);
+        int slipped = 0;
+        for (const CarrierRow& row : result.forward.carriers) slipped += row.slipped;
+        EXPECT_EQ(slipped, 1) << cycles;
+        const Found found = errors(f, result.forward.rows, 5.0);
+        EXPECT_LT(found.largest, 0.03) << cycles;
+        EXPECT_LE(found.outside, 1U) << cycles;
+    }
+}
+
+/// The smoother knows the integers from the first epoch on, and through a hole of twenty seconds.
+TEST(Carriers, SmoothedThroughAHole) {
+    Flight f = flight_with_base(3);
+    f.settings.smooth = true;
+    f.settings.outages = {{40.0, 20.0}};
+    const Result result = run(f);
+    const Found forward = errors(f, result.forward.rows, 5.0), smoothed = errors(f, result.smoothed.rows, 0.0);
+    EXPECT_LT(smoothed.largest, 0.03);
+    EXPECT_LT(smoothed.sigma, 0.05);
+    EXPECT_LE(smoothed.outside, 2U);
+    EXPECT_GT(forward.sigma, smoothed.sigma);
+    // fixed again within two seconds of the hole's end
+    for (const CarrierRow& row : result.forward.carriers) {
+        const double t = row.time.seconds();
+        if (t > 62.5 && t < 64.0) {
+            EXPECT_GE(row.held, row.ambiguities - 2) << t;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace schuler::fusion
