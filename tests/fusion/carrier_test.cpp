@@ -71,7 +71,8 @@ Found errors(const Flight& f, const std::vector<SolutionRow>& rows, double from)
     Found out;
     for (const SolutionRow& row : rows) {
         const auto k = static_cast<std::size_t>(std::llround(row.time.seconds()));
-        if (row.time.seconds() < from || k >= f.recording.reference.size()) continue;
+        const bool compared = std::abs(row.time.seconds() - static_cast<double>(k)) < 1e-6;
+        if (!compared || row.time.seconds() < from || k >= f.recording.reference.size()) continue;
         const Eigen::Vector3d e = earth::ned_difference(f.earth, row.position, f.recording.reference[k].position);
         ++out.epochs;
         out.largest = std::max(out.largest, e.norm());
