@@ -21,6 +21,7 @@ EpochSolution combined(const EpochSolution& a, const EpochSolution& b) {
     const bool first = rank(a) != rank(b) ? rank(a) > rank(b) : a.covariance.trace() <= b.covariance.trace();
     EpochSolution out = first ? a : b;
     const EpochSolution& other = first ? b : a;
+    if (other.vertical_weight > out.vertical_weight) out.vertical_ionosphere = other.vertical_ionosphere;
     const Eigen::Vector3d apart = out.position.r - other.position.r;
     const Eigen::Matrix3d both = out.covariance + other.covariance;
     constexpr double gate = 21.1;  // chi-square of three, 1e-4

@@ -108,7 +108,7 @@ RangingLog differential_ranges(const std::vector<TrackedEpoch>& rover, const Bas
         const bool solved = solutions[i].quality != Quality::None;
         const Ecef& position = solved ? solutions[i].position : epoch.position;
         const Geodetic geodetic = earth::geodetic_from_ecef(earth::wgs84, position);
-        const double clock = base_clock.at(*base);
+        const double clock = base_clock.at(*base), vertical = solutions[i].vertical_ionosphere;
         const auto differences = single_differences(epoch, *base, station, plan, position, settings, false);
         arcs.follow(differences);
         RangeEpoch out{epoch.tag, log.samples.size(), 0, log.carriers.size(), 0};
@@ -120,7 +120,7 @@ RangingLog differential_ranges(const std::vector<TrackedEpoch>& rover, const Bas
             RangeSample m;
             m.source = log.source(gnss::name_of(s.id), false);
             m.differential = true;
-            m.pseudorange = first->code + modelled;
+            m.pseudorange = first->code + modelled - first->vertical_factor() * vertical;
             m.range_rate = s.signals[first->slot].doppler;
             m.cn0 = s.signals[first->slot].cn0;
             m.tx = s.position;
@@ -138,7 +138,7 @@ RangingLog differential_ranges(const std::vector<TrackedEpoch>& rover, const Bas
                 c.source = m.source;
                 c.carrier = d->slot;
                 c.arc = arcs.number(*d);
-                c.phase = d->phase + modelled + arcs.shift(*d);
+                c.phase = d->phase + modelled + arcs.shift(*d) + d->vertical_factor() * vertical;
                 c.wavelength = d->wavelength;
                 c.whole = d->whole;
                 c.halves = d->halves;
