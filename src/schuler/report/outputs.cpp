@@ -43,8 +43,9 @@ void make_folder(const std::filesystem::path& folder) {
 }
 
 void check_overwrite_of_outputs(const std::filesystem::path& folder) {
-    for (const char* name : {"solution.csv", "point.csv", "events.csv", "carrier.csv", "ambiguities.csv", "protection.csv", "receiver.csv",
-                             "states.csv", "run.h5", "run.mat", "report.html", "track.kml", "config.toml", "summary.json"})
+    for (const char* name :
+         {"solution.csv", "point.csv", "events.csv", "carrier.csv", "ambiguities.csv", "protection.csv", "receiver.csv",
+          "states.csv", "run.h5", "run.mat", "report.html", "track.kml", "config.toml", "summary.json"})
         io::check_overwrite(folder / name);
 }
 

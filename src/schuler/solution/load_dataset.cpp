@@ -122,7 +122,8 @@ void read_ranges(const fs::path& folder, LoadedDataset& out, WarningLog& warning
     }
     if (out.recording.gnss.empty() && c.gnss.file.empty()) take_fixes_from_ranges(out);
     // On a real log nobody knows that every range is healthy.
-    const bool monitored = !log.empty() && log.carriers.empty() && uses_ranges(c.filter.coupling) && !out.given.contains("filter.protection.use");
+    const bool monitored =
+        !log.empty() && log.carriers.empty() && uses_ranges(c.filter.coupling) && !out.given.contains("filter.protection.use");
     if (monitored) c.filter.ranging.protection.use = true;
 }
 

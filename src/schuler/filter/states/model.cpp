@@ -23,9 +23,13 @@ Sensors sensors_of(const Recording& recording) {
     for (const GaugeSample& s : recording.gauges)
         for (int i = gauges; i < 3; ++i)
             if (std::isfinite(s.height(i))) gauges = i + 1;
-    return {
-        !recording.baro.empty(),         !recording.mag.empty(), !recording.odometer.empty(), !recording.heading.empty(), gauges,
-        !recording.body_velocity.empty(), !recording.ranges.carriers.empty()};
+    return {!recording.baro.empty(),
+            !recording.mag.empty(),
+            !recording.odometer.empty(),
+            !recording.heading.empty(),
+            gauges,
+            !recording.body_velocity.empty(),
+            !recording.ranges.carriers.empty()};
 }
 
 Layout layout_with(const Settings& settings, const Sensors& sensors) {
