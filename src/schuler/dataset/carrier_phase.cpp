@@ -84,6 +84,20 @@ GnssFix fix_of(const ppk::EpochSolution& s) {
     return fix;
 }
 
+/// The error of a float solution is that of its ambiguities, which codes reveal as slowly as their reflections change: of many fixes the
+/// first counts in full and each further one by what it adds (ppk::BaselineFilter does so with codes).
+void weigh_float(std::vector<GnssFix>& fixes, double correlation) {
+    const GnssFix* before = nullptr;
+    for (GnssFix& fix : fixes) {
+        if (fix.fix != FixType::RtkFloat) continue;
+        if (before != nullptr && correlation > 0.0) {
+            const double rho = std::exp(-(fix.time - before->time).seconds() / correlation);
+            fix.lasting = (1.0 + rho) / std::max(1.0 - rho, 1e-3);
+        }
+        before = &fix;
+    }
+}
+
 void tell(const ppk::Solution& s, const std::string& base, WarningLog& warnings) {
     const std::size_t fixed = s.count(ppk::Quality::Fixed), floating = s.count(ppk::Quality::Float),
                       single = s.count(ppk::Quality::Single);
@@ -126,6 +140,7 @@ CarrierPhase carrier_phase(const fs::path& folder, const Description& descriptio
         out.fixes.push_back(fix_of(e));
         out.epochs.push_back(e);
     }
+    weigh_float(out.fixes, settings.code_correlation);
     return out;
 }
 
