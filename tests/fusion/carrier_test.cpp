@@ -2,6 +2,7 @@
 #include "fusion/range_flight.h"
 #include "schuler/fusion/integer_search.h"
 #include "schuler/math/random.h"
+#include "schuler/math/rotation.h"
 
 #include <gtest/gtest.h>
 
@@ -135,6 +136,29 @@ TEST(Carriers, SmoothedThroughAHole) {
         if (t > 62.5 && t < 64.0) {
             EXPECT_GE(row.held, row.ambiguities - 2) << t;
         }
+    }
+}
+
+/// Fixes of a float solution share its error for minutes: taken one by one for new, they make the filter sure of it.
+TEST(Carriers, FloatFixesCountByWhatTheyAdd) {
+    for (const bool shared : {true, false}) {
+        Flight f = flight();
+        f.settings.coupling = Coupling::Loose;
+        f.recording.ranges = {};
+        for (const ReferenceSample& truth : f.recording.reference) {
+            GnssFix fix;
+            fix.time = truth.time;
+            const Eigen::Vector3d antenna =
+                math::dcm_from_rpy(truth.rpy) * f.settings.gnss.lever_arm_b + Eigen::Vector3d(0.3, -0.2, 0.3);
+            fix.position = earth::moved_by_ned(f.earth, truth.position, antenna);
+            fix.std_position.setConstant(0.2);
+            fix.fix = FixType::RtkFloat;
+            fix.lasting = shared && !f.recording.gnss.empty() ? 120.0 : 1.0;
+            f.recording.gnss.push_back(fix);
+        }
+        const Result result = run(f);
+        const Found found = errors(f, result.forward.rows, 60.0);
+        EXPECT_EQ(found.outside > 0, !shared) << found.largest << " m at " << found.sigma;
     }
 }
 
