@@ -32,6 +32,8 @@ struct RangeSample {
     /// If the rate is the change of a tracked phase over the last `phase_span` s: one sigma of the phase at either end, m. None: the
     /// rate is not derived from a phase and applies to the epoch itself.
     double phase_std = none, phase_span = none;
+    double doppler_rate =
+        none;  ///< m/s, used instead of the rate of a phase where the position at the start of its span is unknown
     bool phase_goes_on = false;  ///< the span begins where the last rate of this source ended, so both share that phase
     double cn0 = none;           ///< dB-Hz
     Ecef tx{Eigen::Vector3d::Constant(none)};                       ///< m

@@ -13,6 +13,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <optional>
 #include <utility>
 
 namespace schuler::dataset {
@@ -107,7 +109,38 @@ RangingLog ranges_from_csv(const fs::path& folder, const Description& d, Warning
     return log;
 }
 
-RawRanges ranges_from_raw(const fs::path& folder, const Description& d, WarningLog& warnings) {
+namespace {
+
+/// Range rates from the phases of two epochs.
+class PhaseRates {
+public:
+    /// The rate of a satellite at an epoch, over its interval from the epoch before; empty where it cannot be had.
+    struct Rate {
+        double rate = 0.0, span = 0.0;  ///< m/s, s
+    };
+    void begin(Time tag) {
+        before_ = std::exchange(now_, {});
+        before_tag_ = std::exchange(tag_, tag);
+    }
+    [[nodiscard]] std::optional<Rate> next(const gnss::Range& r) {
+        now_[r.satellite] = r;
+        const auto old = before_.find(r.satellite);
+        if (old == before_.end() || old->second.signal != r.signal || r.phase_lost) return std::nullopt;
+        constexpr double longest = 1.05, apart = 2.0;  // s; m/s: a slip of many cycles, a step of the clock
+        const double span = (tag_ - before_tag_).seconds(), rate = (r.phase - old->second.phase) / span,
+                     doppler = 0.5 * (r.range_rate + old->second.range_rate);
+        if (!(span > 0.0) || span > longest || !(std::abs(rate - doppler) < apart)) return std::nullopt;
+        return Rate{rate, span};
+    }
+
+private:
+    std::map<gnss::SatelliteId, gnss::Range> before_, now_;
+    Time before_tag_{}, tag_{};
+};
+
+}  // namespace
+
+RawRanges ranges_from_raw(const fs::path& folder, const Description& d, bool phase_rates, WarningLog& warnings) {
     gnss::Navigation navigation = read_navigation(folder, d, warnings);
     RawRanges out;
     RangingLog& log = out.log;
@@ -120,11 +153,14 @@ RawRanges ranges_from_raw(const fs::path& folder, const Description& d, WarningL
     }
     const gnss::BroadcastSource orbits(navigation);
     warn_of_contradictions(navigation, orbits.navigation(), warnings);
+    PhaseRates phases;
+    std::vector<double> spans;
     for (const gnss::ObservationLog& raw : logs) {
         for (const gnss::ObservationEpoch& e : raw.epochs) {
             gnss::prepare_ranges(raw.of(e), e.time, orbits, raw.channels, d.raw.solver.ranges, ranges);
             if (ranges.empty() || (!log.epochs.empty() && e.time <= log.epochs.back().time)) continue;
             log.epochs.push_back({e.time, log.samples.size(), ranges.size()});
+            phases.begin(e.time);
             for (const gnss::Range& r : ranges) {
                 RangeSample m;
                 m.source = log.source(gnss::name_of(r.satellite), false);
@@ -136,10 +172,16 @@ RawRanges ranges_from_raw(const fs::path& folder, const Description& d, WarningL
                 m.frequency = r.frequency;
                 m.variance = r.variance;
                 m.noise = r.noise;
+                if (const auto phase = phases.next(r); phase && phase_rates) {
+                    m.doppler_rate = std::exchange(m.range_rate, phase->rate);
+                    m.phase_span = phase->span;
+                    spans.push_back(phase->span);
+                }
                 log.samples.push_back(m);
             }
         }
     }
+    if (!spans.empty()) out.phase_span = math::median(std::move(spans));
     out.ionosphere = gnss::broadcast_ionosphere(navigation);
     warn_of_missing_ionosphere(out.ionosphere, d.raw, warnings);
     return out;

@@ -12,8 +12,17 @@ namespace schuler::solution {
 
 RangingLog ranges_from_raw(const std::filesystem::path& folder, settings::Config& c, const std::set<std::string>& given,
                            WarningLog& warnings) {
-    dataset::RawRanges raw = dataset::ranges_from_raw(folder, c, warnings);
     fusion::RangingFilterSettings& f = c.filter.ranging;
+    // misalignments leave no room for the states of the rates' slow errors, without which phases would be taken for too good
+    const bool phases = c.scheme == settings::Scheme::Tight && !c.filter.misalignments &&
+                        (c.raw.phase_velocity || !given.contains("gnss.phase_velocity"));
+    dataset::RawRanges raw = dataset::ranges_from_raw(folder, c, phases, warnings);
+    if (raw.phase_span > 0.0) {
+        constexpr double slow_rate = 0.005, slow_time = 600.0;  // m/s, s: what air and orbit models leave changes slowly
+        if (!given.contains("ranges.correlated_rate_m_s")) f.errors.satellite.correlated_rate = slow_rate;
+        if (!given.contains("ranges.correlated_rate_time_s")) f.errors.satellite.correlated_rate_time = slow_time;
+        if (!given.contains("ranges.rate_span_s")) f.errors.rate_span = raw.phase_span;
+    }
     f.ionosphere = raw.ionosphere;
     f.sigma_by_elevation = true;
     if (!given.contains("ranges.slow_by_model")) f.slow_by_model = !given.contains("ranges.correlated_m");

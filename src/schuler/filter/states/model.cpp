@@ -29,7 +29,8 @@ Sensors sensors_of(const Recording& recording) {
             !recording.heading.empty(),
             gauges,
             !recording.body_velocity.empty(),
-            !recording.ranges.carriers.empty()};
+            !recording.ranges.carriers.empty(),
+            std::ranges::any_of(recording.ranges.samples, [](const RangeSample& m) { return std::isfinite(m.doppler_rate); })};
 }
 
 Layout layout_with(const Settings& settings, const Sensors& sensors) {
@@ -77,6 +78,8 @@ Layout layout_with(const Settings& settings, const Sensors& sensors) {
                 L.phase = L.add("carrier_phase_error", "m", 2 * L.phases);
             }
         }
+        if (settings.coupling == Coupling::Tight && sensors.phase_rates && settings.ranging.use_rates)
+            L.antenna = L.add("antenna_at_last_phase", "m", 3);
         if (settings.coupling == Coupling::Tight && sensors.carriers) {
             const int after = 5 + (slow_rates ? 2 : 1) * Layout::slots;
             L.ambiguities = std::clamp(estim::max_states - after - L.size, 0, Layout::most_ambiguities);

@@ -92,6 +92,7 @@ void RangeUpdate<Frame>::clone_antenna(InertialFilter<Frame>& f, RangeTracking& 
     tracking.watch.clone(L.antenna, rows, f.used);
     if (listener != nullptr) listener->cloned(L.antenna, rows);
     tracking.cloned = f.time();
+    tracking.cloned_velocity = a.v_e;
 }
 
 template bool RangeUpdate<GeographicFrame>::spans_phases(const InertialFilter<GeographicFrame>&, const RangeTracking&,

@@ -149,13 +149,20 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
             if (slot >= 0) s.row.add(slot, 1.0);
             s.innovation = computed - m.pseudorange + s.row.dot(dx);
         }
-        if (settings_.use_rates && std::isfinite(m.range_rate) && (m.tx_velocity.allFinite() || source.station)) {
-            const bool by_phase = m.phase_span > 0.0;
-            if (by_phase && !spans_phases(f, tracking, m)) continue;
+        const bool by_phase = m.phase_span > 0.0 && spans_phases(f, tracking, m);
+        const double measured = m.phase_span > 0.0 && !by_phase ? m.doppler_rate : m.range_rate;
+        if (settings_.use_rates && std::isfinite(measured) && (m.tx_velocity.allFinite() || source.station)) {
             const RangeTracking::Phase* phase = by_phase ? phase_of(f, tracking, m, listener) : nullptr;
             RangeScalar& s = next(true);
-            const double sigma = sigma_of(m.std_rate, errors.rate, source.station, direction.elevation, m.cn0);
+            const bool of_log = by_phase && !(m.std_rate > 0.0);
+            const double sigma = of_log
+                                     ? settings_.phase_change_std / m.phase_span * gnss::noise_factor(direction.elevation, m.cn0)
+                                     : sigma_of(m.std_rate, errors.rate, source.station, direction.elevation, m.cn0);
             s.variance = sigma * sigma;
+            if (of_log) {  // an epoch whose stamp is late by the IMU's clock is elsewhere on the path
+                const Vector3d turned = (a.v_e - tracking.cloned_velocity) / m.phase_span * timing_std_;
+                s.variance += std::pow((a.C_en * now.u_n).dot(turned), 2);
+            }
             double rate = now.rate, of_phase = 0.0;
             if (by_phase) {
                 const PhaseRate r = phase_rate(f, a, now, m, phase, dx);
@@ -188,8 +195,7 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
             } else if (has_slow_rate(source.station)) {
                 s.variance += errors.correlated_rate * errors.correlated_rate;  // no slot is free
             }
-            s.innovation =
-                rate + drift + common + of_phase + slow - speed_of_light * m.tx_clock_rate - m.range_rate + s.row.dot(dx);
+            s.innovation = rate + drift + common + of_phase + slow - speed_of_light * m.tx_clock_rate - measured + s.row.dot(dx);
         }
     }
 }
@@ -458,7 +464,7 @@ int RangeUpdate<Frame>::operator()(InertialFilter<Frame>& f, RangeTracking& trac
     const int doubted = doubt_sources(f, tracking);
     doubt_the_estimate(f, tracking);
     f.apply(model_, dx);
-    if (std::ranges::any_of(samples, [](const RangeSample& m) { return m.phase_span > 0.0; }))
+    if (model_.layout.phase < 0 || std::ranges::any_of(samples, [](const RangeSample& m) { return m.phase_span > 0.0; }))
         clone_antenna(f, tracking, listener);
     work.alarm = doubted;
     if (tracking.watch.on && doubted < 0)

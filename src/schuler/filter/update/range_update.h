@@ -7,6 +7,7 @@
 #include "schuler/filter/ranging_settings.h"
 #include "schuler/filter/states/inertial_filter.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -90,6 +91,7 @@ struct RangeTracking {
     std::array<Ambiguity, Layout::most_ambiguities> ambiguities{};
     int same_integers = 0;  ///< epochs in a row with the same integers
     Time same_since{};
+    Eigen::Vector3d cloned_velocity = Eigen::Vector3d::Zero();  ///< m/s, Earth-fixed, of the antenna then
     std::optional<Time> cloned{};  ///< time at which the antenna was in the position of the layout's antenna block
     FaultWatch watch;
     RangeEpochWork work;
@@ -122,9 +124,15 @@ struct RangeListener {
 template <class Frame>
 class RangeUpdate {
 public:
+    /// `jitter`: s, of the time of fixes by the clock of the IMU, if known to be more than settings.timing_std.
     RangeUpdate(const InertialModel& model, const RangingFilterSettings& settings, const Eigen::Vector3d& lever_arm_b,
-                const RangeTest& test, bool backward = false)
-        : model_(model), settings_(settings), lever_arm_b_(lever_arm_b), test_(test), backward_(backward) {}
+                const RangeTest& test, bool backward = false, double jitter = 0.0)
+        : model_(model),
+          settings_(settings),
+          lever_arm_b_(lever_arm_b),
+          test_(test),
+          backward_(backward),
+          timing_std_(std::max(settings.timing_std, jitter)) {}
 
     /// Fraction of the variance of a phase-derived rate not shared with the phases at its ends: a measurement without its own noise
     /// would make the covariance singular. A larger value would represent a random walk between the phases, which does not exist.
@@ -213,6 +221,7 @@ private:
     const Eigen::Vector3d& lever_arm_b_;
     const RangeTest& test_;
     bool backward_;
+    double timing_std_;
 };
 
 }  // namespace schuler::filter
