@@ -125,7 +125,8 @@ public:
     [[nodiscard]] std::optional<Rate> next(const gnss::Range& r) {
         now_[r.satellite] = r;
         const auto old = before_.find(r.satellite);
-        if (old == before_.end() || old->second.signal != r.signal || r.phase_lost) return std::nullopt;
+        if (old == before_.end() || old->second.signal != r.signal || r.phase_lost || old->second.half_cycle != r.half_cycle)
+            return std::nullopt;
         constexpr double longest = 1.05, apart = 2.0;  // s; m/s: a slip of many cycles, a step of the clock
         const double span = (tag_ - before_tag_).seconds(), rate = (r.phase - old->second.phase) / span,
                      doppler = 0.5 * (r.range_rate + old->second.range_rate);
