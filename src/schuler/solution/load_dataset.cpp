@@ -295,6 +295,10 @@ LoadedDataset load_dataset(const settings::Dataset& dataset, const settings::Con
     out.config.filter.gnss.latency_found = std::ranges::none_of(
         out.given, [](const std::string& key) { return key.starts_with("gnss.") && key.ends_with("latency_s"); });
     assume_aid_errors(out.config);
+    // The inertial unit shows the slips of single phases, which a solution by satellites alone may miss. With a base the phases are
+    // measurements themselves.
+    if (out.config.scheme == settings::Scheme::Tight && !out.given.contains("gnss.phase_velocity"))
+        out.config.raw.phase_velocity = out.config.base.observations.empty();
     dataset::Reading reading = reading_of(out.config);
     reading.found = found_files(dataset);
     dataset::ReadFiles files = dataset::read_files(dataset.folder, out.config, reading, warnings);

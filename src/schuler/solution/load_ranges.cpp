@@ -13,7 +13,7 @@ namespace schuler::solution {
 RangingLog ranges_from_raw(const std::filesystem::path& folder, settings::Config& c, const std::set<std::string>& given,
                            WarningLog& warnings) {
     fusion::RangingFilterSettings& f = c.filter.ranging;
-    const bool phases = c.scheme == settings::Scheme::Tight && (c.raw.phase_velocity || !given.contains("gnss.phase_velocity"));
+    const bool phases = c.scheme == settings::Scheme::Tight && c.raw.phase_velocity;
     dataset::RawRanges raw = dataset::ranges_from_raw(folder, c, phases, warnings);
     if (raw.phase_span > 0.0) {
         constexpr double slow_rate = 0.005, slow_time = 600.0;  // m/s, s: what air and orbit models leave changes slowly
