@@ -8,7 +8,9 @@
 
 #include <array>
 #include <cmath>
+#include <map>
 #include <memory>
+#include <utility>
 
 namespace schuler::fusion {
 namespace {
@@ -17,21 +19,26 @@ using namespace test;
 
 constexpr std::array<double, 2> wavelengths{0.190293672798365, 0.244210213424568};  // m, L1 and L2
 
-/// The flight's ranges with the errors that a base leaves, and phases on two carriers. `slip`: whole cycles of the first satellite's
-/// first carrier from 60 s on, in the same arc.
-Flight flight_with_base(std::uint64_t seed, int slip = 0) {
-    Flight f = flight();
+/// The flight's ranges without errors other than the clock's, which has a random stream of its own.
+RangingLog exact_ranges(const Flight& f) {
     sim::RangingScenario frame{3, 120.0, {}, Time::from_gps(2300, 3600.0), f.earth};
     sim::RangingSettings r;
     r.lever_arm_b = f.settings.gnss.lever_arm_b;
     r.navigation = gnss::nominal_gps(frame.gps, frame.gps + Duration::from_seconds(frame.duration));
     r.masks.throughout = true;
-    r.errors.satellite.white = r.errors.satellite.correlated = 0.0;  // the clock is the same, it has a random stream of its own
+    r.errors.satellite.white = r.errors.satellite.correlated = 0.0;
     sim::WeavingFlight weave;
     weave.start = {52.3 * units::deg, 104.3 * units::deg, 3000.0};
     weave.duration = frame.duration;
     const auto path = sim::make_path(sim::weaving_path(weave, f.earth.ellipsoid), f.earth.ellipsoid);
-    RangingLog log = sim::simulate_ranges(frame, *path, r).log;
+    return sim::simulate_ranges(frame, *path, r).log;
+}
+
+/// The flight's ranges with the errors that a base leaves, and phases on two carriers. `slip`: whole cycles of the first satellite's
+/// first carrier from 60 s on, in the same arc.
+Flight flight_with_base(std::uint64_t seed, int slip = 0) {
+    Flight f = flight();
+    RangingLog log = exact_ranges(f);
     math::Random random(seed, "carriers");
     std::map<std::pair<int, std::size_t>, double> cycles;
     for (RangeEpoch& e : log.epochs) {
@@ -137,6 +144,60 @@ TEST(Carriers, SmoothedThroughAHole) {
             EXPECT_GE(row.held, row.ambiguities - 2) << t;
         }
     }
+}
+
+/// Range rates from the phases of two epochs, with the Doppler beside them; `slip`: m, in the phases of the first satellite at 60 s.
+Flight flight_with_phase_rates(bool phases, double slip = 0.0) {
+    Flight f = flight();
+    RangingLog& log = f.recording.ranges;
+    const RangingLog exact = exact_ranges(f);
+    math::Random random(4, "phases");
+    std::map<int, double> before;
+    for (std::size_t k = 0; k < log.epochs.size(); ++k) {
+        const RangeEpoch& e = log.epochs[k];
+        std::map<int, double> now;
+        for (std::size_t i = e.first; i < e.first + e.count; ++i) {
+            RangeSample& m = log.samples[i];
+            now[m.source] = exact.samples[i].pseudorange;
+            const auto old = before.find(m.source);
+            const double noise = 0.004 * random.normal();
+            if (!phases || old == before.end()) continue;
+            m.phase_span = (e.time - log.epochs[k - 1].time).seconds();
+            m.doppler_rate = m.range_rate;
+            const bool slipped = m.source == 0 && std::lround(e.time.seconds()) == 60;
+            m.range_rate = (now[m.source] - old->second + noise + (slipped ? slip : 0.0)) / m.phase_span;
+        }
+        before = std::move(now);
+    }
+    f.settings.ranging.errors.satellite.correlated_rate = phases ? 0.005 : 0.0;
+    f.settings.ranging.errors.rate_span = phases ? 1.0 : 0.0;
+    return f;
+}
+
+TEST(PhaseRates, KnowTheVelocityBetterThanTheDopplerAndRefuseSlips) {
+    const auto velocity_error = [](const Flight& f, const Result& r) {
+        double square = 0.0, n = 0.0, beyond = 0.0;
+        for (const SolutionRow& row : r.forward.rows) {
+            const auto k = static_cast<std::size_t>(std::llround(row.time.seconds()));
+            if (row.time.seconds() < 20.0 || k >= f.recording.reference.size()) continue;
+            const Eigen::Vector3d e = row.v_eb_n - f.recording.reference[k].velocity_n;
+            square += e.squaredNorm();
+            beyond += (e.array().abs() > 3.0 * row.std_velocity.array()).any() ? 1.0 : 0.0;
+            n += 1.0;
+        }
+        EXPECT_LE(beyond, 0.02 * n);
+        return std::sqrt(square / n);
+    };
+    const Flight by_doppler = flight_with_phase_rates(false), by_phases = flight_with_phase_rates(true),
+                 with_slip = flight_with_phase_rates(true, 0.19);
+    const Result doppler = run(by_doppler), phases = run(by_phases), slipped = run(with_slip);
+    EXPECT_LT(velocity_error(by_phases, phases), 0.6 * velocity_error(by_doppler, doppler));
+    EXPECT_LT(velocity_error(with_slip, slipped), 1.1 * velocity_error(by_phases, phases));
+    const auto refused = std::ranges::count_if(slipped.aids, [](const AidRecord& r) {
+        return r.kind == AidKind::RangeRate && r.source == 0 && r.status == AidStatus::Rejected &&
+               std::lround(r.time.seconds()) == 60;
+    });
+    EXPECT_EQ(refused, 1);
 }
 
 /// Fixes of a float solution share its error for minutes: taken one by one for new, they make the filter sure of it.
