@@ -164,6 +164,7 @@ Flight flight_with_phase_rates(bool phases, double slip = 0.0) {
             if (!phases || old == before.end()) continue;
             m.phase_span = (e.time - log.epochs[k - 1].time).seconds();
             m.doppler_rate = m.range_rate;
+            m.std_rate = not_given;
             const bool slipped = m.source == 0 && std::lround(e.time.seconds()) == 60;
             m.range_rate = (now[m.source] - old->second + noise + (slipped ? slip : 0.0)) / m.phase_span;
         }

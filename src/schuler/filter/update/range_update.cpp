@@ -105,7 +105,14 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
             by_model ? settings_.corrections.code_sigma * m.noise * gnss::noise_factor(direction.elevation, m.cn0) : 0.0;
         const double slow_sigma =
             by_model ? std::sqrt(air_delay.variance + m.variance + reflections * reflections) : errors.correlated;
-        const int assigned = slot_of(f, tracking, m.source, source.station, slow_sigma, listener),
+        // reflections change within a minute, air and orbits in ten: one state that changes as the sum of both
+        constexpr double reflections_time = 60.0;  // s
+        const double slow_time = by_model && reflections > 0.0
+                                     ? slow_sigma * slow_sigma /
+                                           ((slow_sigma * slow_sigma - reflections * reflections) / errors.correlation_time +
+                                            reflections * reflections / reflections_time)
+                                     : errors.correlation_time;
+        const int assigned = slot_of(f, tracking, m.source, source.station, slow_sigma, slow_time, listener),
                   offset = intersystem_of(source);
         if (assigned >= 0) tracking.slots[static_cast<std::size_t>(assigned)].last = f.time();
         const int slot = assigned >= 0 && errors.correlated > 0.0 ? L.source + assigned : -1;
@@ -360,7 +367,8 @@ void RangeUpdate<Frame>::leave_out(InertialFilter<Frame>& f, RangeTracking& trac
         RangeTracking::Slot& slot = tracking.slots[k];
         if (slot.source != source) continue;
         slot.doubted.reset();
-        const double time = errors_of(slot.station).correlation_time, variance = 0.5 * f.slot_process[k].psd * time;
+        const double decay = f.slot_process[k].decay, time = decay > 0.0 ? 1.0 / decay : errors_of(slot.station).correlation_time,
+                     variance = 0.5 * f.slot_process[k].psd * time;
         renew(f, tracking, model_.layout.source + static_cast<int>(k), variance, listener);
         f.set_slot_process(k, StateProcess::markov(std::sqrt(variance), time));
         if (has_slow_rate(slot.station)) {

@@ -159,9 +159,9 @@ public:
                       std::span<const RangeSample> samples, const StateVector& dx, RangeListener* listener) const;
 
     /// Slot of a source's slow errors, assigned if it has none: -1 if its kind has no slow error or all slots are in use.
-    /// `sigma`: of that of its range, m.
+    /// `sigma`, `time`: of that of its range, m, and the time within which it changes, s.
     [[nodiscard]] int slot_of(InertialFilter<Frame>& filter, RangeTracking& tracking, int source, bool station, double sigma,
-                              RangeListener* listener) const;
+                              double time, RangeListener* listener) const;
 
 private:
     /// State of an ambiguity, assigned if it has none; -1: all are in use.
