@@ -198,6 +198,8 @@ TEST(PhaseRates, KnowTheVelocityBetterThanTheDopplerAndRefuseSlips) {
         return r.kind == AidKind::RangeRate && r.source == 0 && r.status == AidStatus::Rejected &&
                std::lround(r.time.seconds()) == 60;
     });
+    for (const AidRecord& r : slipped.aids) if (r.kind == AidKind::RangeRate && std::abs(r.time.seconds()-60.0) < 1.5 && r.source < 3) printf("t %.3f source %d z %.4f s %.4f status %d\n", r.time.seconds(), r.source, r.innovation(0), r.sigma(0), int(r.status));
+    for (const SolutionRow& row : phases.forward.rows) { const auto k = static_cast<std::size_t>(std::llround(row.time.seconds())); if (k < by_phases.recording.reference.size() && k%10==0) { const Eigen::Vector3d e = row.v_eb_n - by_phases.recording.reference[k].velocity_n; printf("%.3f %.4f %.4f %.4f sigma %.4f %.4f %.4f\n", row.time.seconds(), e.x(), e.y(), e.z(), row.std_velocity.x(), row.std_velocity.y(), row.std_velocity.z()); } }
     EXPECT_EQ(refused, 1);
 }
 

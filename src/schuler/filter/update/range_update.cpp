@@ -124,6 +124,7 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
             s.station = source.station;
             s.is_rate = is_rate;
             s.use = true;
+            s.phase_change = false;
             s.slot = slot;
             s.distance = now.range;
             s.sequential = 0.0;
@@ -166,6 +167,7 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
                                      ? settings_.phase_change_std / m.phase_span * gnss::noise_factor(direction.elevation, m.cn0)
                                      : sigma_of(m.std_rate, errors.rate, source.station, direction.elevation, m.cn0);
             s.variance = sigma * sigma;
+            s.phase_change = of_log;
             if (of_log) {  // an epoch whose stamp is late by the IMU's clock is elsewhere on the path
                 const Vector3d turned = (a.v_e - tracking.cloned_velocity) / m.phase_span * timing_std_;
                 s.variance += std::pow((a.C_en * now.u_n).dot(turned), 2);
@@ -345,7 +347,9 @@ void RangeUpdate<Frame>::follow_faults(InertialFilter<Frame>& f, RangeTracking& 
     for (const RangeScalar& s : tracking.work.all()) {
         if (!s.use) continue;
         if (!s.is_rate) tracking.watch.begin(s.source, f.time(), f.P.rows());
-        scalars[n++] = {&s.row, s.innovation, s.variance, s.source, s.is_rate};
+        // The changes of phases are known so well that their small lasting errors would be evidence of faults, and a wrong pseudorange
+        // does not show in them: they belong to no source.
+        scalars[n++] = {&s.row, s.innovation, s.variance, s.phase_change ? -1 : s.source, s.is_rate};
     }
     tracking.watch.follow(f.P, std::span(scalars).first(n), f.time(), f.used);
     tracking.watch.weigh();

@@ -33,13 +33,14 @@ struct RangeTest {
 struct RangeScalar {
     int source = 0;  ///< index into RangingLog::sources
     bool station = false, is_rate = false, use = true;
-    int slot = -1;            ///< state of the slow error of the source's range
-    double innovation = 0.0;  ///< computed minus measured, m or m/s
-    double variance = 1.0;    ///< of its white noise
-    double distance = 0.0;    ///< m
-    double sequential = 0.0;  ///< normalised innovation after the preceding ones of the epoch; white in the absence of faults
-    double s = 1.0;           ///< variance of that innovation
-    estim::Row row;           ///< in the filter's own errors
+    bool phase_change = false;  ///< a rate from the phases of a log
+    int slot = -1;              ///< state of the slow error of the source's range
+    double innovation = 0.0;    ///< computed minus measured, m or m/s
+    double variance = 1.0;      ///< of its white noise
+    double distance = 0.0;      ///< m
+    double sequential = 0.0;    ///< normalised innovation after the preceding ones of the epoch; white in the absence of faults
+    double s = 1.0;             ///< variance of that innovation
+    estim::Row row;             ///< in the filter's own errors
 };
 
 /// Memory for one epoch, kept between epochs to avoid allocation.
