@@ -130,7 +130,7 @@ public:
         constexpr double longest = 1.05, apart = 2.0;  // s; m/s: a slip of many cycles, a step of the clock
         const double span = (tag_ - before_tag_).seconds(), rate = (r.phase - old->second.phase) / span,
                      doppler = 0.5 * (r.range_rate + old->second.range_rate);
-        if (!(span > 0.0) || span > longest || !(std::abs(rate - doppler) < apart)) return std::nullopt;
+        if (!(span > 0.0) || span > longest || !std::isfinite(rate) || std::abs(rate - doppler) > apart) return std::nullopt;
         return Rate{rate, span};
     }
 

@@ -128,6 +128,7 @@ struct CarrierRow {
     int ambiguities = 0;          ///< of them that may be integers
     int held = 0;                 ///< whose integer the filter knows
     double ratio = 0.0;           ///< of the search for integers; 0: none
+    bool doubted = false;         ///< most phases contradicted the inertial prediction, which was opened
 };
 
 /// Intermediate coupling: the receiver's own filter compared with the tight one, north, east, down, after an epoch of ranges.

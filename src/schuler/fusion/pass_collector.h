@@ -93,7 +93,8 @@ public:
                               run.filter.local_covariance(model_).template topLeftCorner<3, 3>());
     }
     void carriers(const FilterRun<Frame>&, const RangeEpoch& epoch, const CarrierUse& use) override {
-        result_.forward.carriers.push_back({epoch.time, use.phases, use.slipped, use.whole, use.held, use.ratio});
+        result_.forward.carriers.push_back(
+            {epoch.time, use.phases, use.slipped, use.whole, use.held, use.ratio, use.doubted > 0});
     }
 
 private:

@@ -407,6 +407,8 @@ EpochSolution BaselineFilter::step(const TrackedEpoch& rover) {
     out.velocity_covariance = P_.block<3, 3>(3, 3);
     if (settings_.views) look_at_signals(x_, false, out);
     if (settings_.integers.use) use_integers(rover.tag, dt, out);
+    out.code_scale = code_scale_.value();
+    out.phase_scale = phase_scale_.value();
     out.vertical_ionosphere = vertical_.value;
     out.vertical_weight = vertical_.weight;
     return out;

@@ -94,11 +94,21 @@ private:
     std::map<Key, Arc> arcs_;
 };
 
+/// Factor on a variance for the whole log, at least one: nine tenths of the epochs show no more.
+double usual_scale(const std::vector<EpochSolution>& solutions, double EpochSolution::*scale) {
+    std::vector<double> values;
+    for (const EpochSolution& s : solutions)
+        if (s.quality == Quality::Fixed || s.quality == Quality::Float) values.push_back(s.*scale);
+    return values.empty() ? 1.0 : std::max(1.0, math::quantile(std::move(values), 0.9));
+}
+
 }  // namespace
 
 RangingLog differential_ranges(const std::vector<TrackedEpoch>& rover, const BaseStation& station, const SignalPlan& plan,
                                const std::vector<EpochSolution>& solutions, const Settings& settings) {
     RangingLog log;
+    const double of_codes = usual_scale(solutions, &EpochSolution::code_scale),
+                 of_phases = usual_scale(solutions, &EpochSolution::phase_scale);
     BaseClock base_clock;
     CommonArcs arcs;
     for (std::size_t i = 0; i < rover.size(); ++i) {
@@ -129,7 +139,7 @@ RangingLog differential_ranges(const std::vector<TrackedEpoch>& rover, const Bas
             m.tx_clock_rate = s.clock_rate / gnss::speed_of_light;
             m.frequency = gnss::speed_of_light / first->wavelength;
             m.variance = first->left;
-            m.noise = std::sqrt(std::max(first->code_variance - m.variance, 0.0)) /
+            m.noise = std::sqrt(of_codes * std::max(first->code_variance - m.variance, 0.0)) /
                       (settings.code_sigma * gnss::noise_factor(first->elevation, m.cn0));
             log.samples.push_back(m);
             ++out.count;
@@ -143,7 +153,7 @@ RangingLog differential_ranges(const std::vector<TrackedEpoch>& rover, const Bas
                 c.whole = d->whole;
                 c.halves = d->halves;
                 c.elevation = d->elevation;
-                c.variance = d->phase_variance;
+                c.variance = of_phases * (d->phase_variance - d->left) + d->left;
                 c.repeated = d->repeated;
                 log.carriers.push_back(c);
                 ++out.carriers;

@@ -18,9 +18,10 @@ std::string protection_csv(const solution::ResultBundle& b) {
 }
 
 std::string ambiguities_csv(const solution::ResultBundle& b) {
-    std::string text = "time_s,phases,slipped,ambiguities,held,ratio\n";
+    std::string text = "time_s,phases,slipped,ambiguities,held,ratio,doubted\n";
     for (const fusion::CarrierRow& r : b.result.forward.carriers)
-        text += fmt::format("{:.9f},{},{},{},{},{:.2f}\n", r.time.seconds(), r.phases, r.slipped, r.ambiguities, r.held, r.ratio);
+        text += fmt::format("{:.9f},{},{},{},{},{:.2f},{:d}\n", r.time.seconds(), r.phases, r.slipped, r.ambiguities, r.held,
+                            r.ratio, r.doubted);
     return text;
 }
 

@@ -212,12 +212,14 @@ Json carrier_of(const solution::ResultBundle& b) {
 Json ambiguities_of(const solution::ResultBundle& b) {
     const auto& rows = b.result.forward.carriers;
     if (rows.empty()) return nullptr;
-    int phases = 0, slipped = 0, held = 0;
-    for (const fusion::CarrierRow& r : rows) phases += r.phases, slipped += r.slipped, held += r.held;
+    int phases = 0, slipped = 0, held = 0, doubted = 0;
+    for (const fusion::CarrierRow& r : rows)
+        phases += r.phases, slipped += r.slipped, held += r.held, doubted += r.doubted ? 1 : 0;
     return {{"epochs", rows.size()},
             {"with_integers", std::ranges::count_if(rows, [](const fusion::CarrierRow& r) { return r.held > 0; })},
             {"phases", phases},
             {"slipped", slipped},
+            {"doubted", doubted},
             {"held", held}};
 }
 

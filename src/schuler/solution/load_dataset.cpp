@@ -296,9 +296,9 @@ LoadedDataset load_dataset(const settings::Dataset& dataset, const settings::Con
         out.given, [](const std::string& key) { return key.starts_with("gnss.") && key.ends_with("latency_s"); });
     assume_aid_errors(out.config);
     // The inertial unit shows the slips of single phases, which a solution by satellites alone may miss. With a base the phases are
-    // measurements themselves.
+    // measurements themselves. They are so exact that errors of second order in attitude and lever arm would tell the latter.
     if (out.config.scheme == settings::Scheme::Tight && !out.given.contains("gnss.phase_velocity"))
-        out.config.raw.phase_velocity = out.config.base.observations.empty();
+        out.config.raw.phase_velocity = out.config.base.observations.empty() && !out.config.filter.estimate_lever_arm;
     dataset::Reading reading = reading_of(out.config);
     reading.found = found_files(dataset);
     dataset::ReadFiles files = dataset::read_files(dataset.folder, out.config, reading, warnings);

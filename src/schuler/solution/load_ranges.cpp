@@ -46,6 +46,14 @@ void take_ranges_to_base(LoadedDataset& data, WarningLog& warnings) {
         relative = {};
         return;
     }
+    if (c.filter.estimate_lever_arm) {
+        warnings.add(
+            "base.lever_arm",
+            "the ranges are not taken relative to the base, whose phases are too exact for a lever arm as a state: give gnss.lever_arm_m "
+            "and leave out filter.estimate_lever_arm");
+        relative = {};
+        return;
+    }
     data.recording.ranges = dataset::with_own(std::exchange(relative, {}), data.recording.ranges);
     fusion::RangingFilterSettings& f = c.filter.ranging;
     f.phase_correlation = c.base.settings.phase_correlation;

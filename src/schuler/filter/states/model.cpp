@@ -30,7 +30,8 @@ Sensors sensors_of(const Recording& recording) {
             gauges,
             !recording.body_velocity.empty(),
             !recording.ranges.carriers.empty(),
-            std::ranges::any_of(recording.ranges.samples, [](const RangeSample& m) { return std::isfinite(m.doppler_rate); })};
+            std::ranges::any_of(recording.ranges.samples,
+                                [](const RangeSample& m) { return m.phase_span > 0.0 && !(m.std_rate > 0.0); })};
 }
 
 Layout layout_with(const Settings& settings, const Sensors& sensors) {

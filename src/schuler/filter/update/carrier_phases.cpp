@@ -1,5 +1,6 @@
 // Carrier phases relative to a base station: ambiguities as states, slips by the inertial prediction, integers told to the filter.
 // The receiver's clock of the phases is reset at each epoch, which makes single differences equivalent to double differences.
+#include "schuler/core/units.h"
 #include "schuler/filter/update/range_update.h"
 #include "schuler/gnss/satellite.h"
 
@@ -93,10 +94,10 @@ void RangeUpdate<Frame>::make_carriers(const InertialFilter<Frame>& f, RangeTrac
         s.row.head << now.range_by_position, Vector3d::Zero(), now.range_by_attitude;
         s.row.head = (from_local * s.row.head).eval();
         if (L.lever_arm >= 0) s.row.add3(L.lever_arm, now.range_by_lever_arm);
-        s.row.add(L.clock, 1.0 - now.rate / speed_of_light);
+        s.row.add(L.clock, 1.0 - now.own_rate / speed_of_light);
         s.row.add(L.carrier_clock, 1.0);
         s.row.add(state, 1.0);
-        s.innovation = now.range - now.rate * clock / speed_of_light + clock - speed_of_light * m->tx_clock +
+        s.innovation = now.range - now.own_rate * clock / speed_of_light + clock - speed_of_light * m->tx_clock +
                        nominal(L.carrier_clock) + nominal(state) - c.phase;
     }
 }
@@ -182,6 +183,40 @@ void RangeUpdate<Frame>::find_integers(InertialFilter<Frame>& f, RangeTracking& 
     for (Eigen::Index i = 0; i < size; ++i) use.held += of(i).held ? 1 : 0;
 }
 
+/// Number of phases that would have to be left out for the rest to agree with each other and with the prediction.
+template <class Frame>
+int RangeUpdate<Frame>::misfits(const InertialFilter<Frame>& f, RangeEpochWork& work) const {
+    estim::EpochUpdate update(f.P, f.used);
+    StateVector dx = StateVector::Zero(f.P.rows());
+    int count = 0;
+    while (leave_out_worst(f, work)) {
+        ++count;
+        if (use_all(test_, update, work, dx, nullptr) || 2 * count > static_cast<int>(work.count)) break;
+    }
+    return count;
+}
+
+/// Opens position, velocity and attitude by what the phases differ from the prediction beyond what they have in common.
+template <class Frame>
+void RangeUpdate<Frame>::doubt_prediction(InertialFilter<Frame>& f, const RangeTracking& tracking,
+                                          const RangeEpochWork& work) const {
+    double mean = 0.0, size = 0.0, since = std::numeric_limits<double>::infinity();
+    for (const RangeScalar& s : work.all()) mean += s.innovation / static_cast<double>(work.count);
+    for (const RangeScalar& s : work.all()) {
+        const Ambiguity& a = tracking.ambiguities[static_cast<std::size_t>(s.slot)];
+        if (!a.used) continue;  // one that has just begun says nothing
+        size = std::max(size, std::abs(s.innovation - mean));
+        since = std::min(since, std::abs((f.time() - *a.used).seconds()));
+    }
+    constexpr double least_time = 0.1;  // s
+    const double time = std::max(std::isfinite(since) ? since : 1.0, least_time), rate = 2.0 * size / time;
+    // a knock turns the unit too: by what would have moved it that far, within a tenth of a radian
+    const double turn = std::min(rate / (units::g0 * time), 0.1);
+    f.P.diagonal().template segment<3>(Layout::position).array() += 4.0 * size * size;
+    f.P.diagonal().template segment<3>(Layout::velocity).array() += rate * rate;
+    f.P.diagonal().template segment<3>(Layout::attitude).array() += turn * turn;
+}
+
 template <class Frame>
 CarrierUse RangeUpdate<Frame>::use_carriers(InertialFilter<Frame>& f, RangeTracking& tracking, const RangingLog& log,
                                             const RangeEpoch& epoch, RangeListener* listener) const {
@@ -197,17 +232,27 @@ CarrierUse RangeUpdate<Frame>::use_carriers(InertialFilter<Frame>& f, RangeTrack
     StateVector dx = StateVector::Zero(f.P.rows());
     estim::EpochUpdate update(f.P, f.used);
     make_carriers(f, tracking, log, epoch, assigned);
-    // those that do not fit begin anew; if most do, it is the estimate that has changed, or the clock of all
-    while (!use_all(test_, update, work, dx, nullptr)) {
-        if (!leave_out_worst(f, work)) break;
-        const bool most = 2 * ++out.slipped > static_cast<int>(work.count);
-        for (RangeScalar& s : work.all()) {
-            if (s.use && !most) continue;
-            begin_ambiguity(f, tracking, s.slot, s.innovation, listener);
-            tracking.ambiguities[static_cast<std::size_t>(s.slot)].jumped = true;
+    // Those that do not fit begin anew. Where most do not, the prediction is wrong: a receiver does not lose all phases without a
+    // word, an inertial unit that was knocked is off by a metre. The phases then tell where the antenna is.
+    if (!use_all(test_, update, work, dx, nullptr)) {
+        if (misfits(f, work) * 2 > static_cast<int>(work.count)) {
+            doubt_prediction(f, tracking, work);
+            ++out.doubted;
+            make_carriers(f, tracking, log, epoch, assigned);
+        } else {
+            for (RangeScalar& s : work.all()) s.use = true;
         }
-        make_carriers(f, tracking, log, epoch, assigned);
-        if (most) break;
+        while (!use_all(test_, update, work, dx, nullptr)) {
+            if (!leave_out_worst(f, work)) break;
+            const bool most = 2 * ++out.slipped > static_cast<int>(work.count);
+            for (RangeScalar& s : work.all()) {
+                if (s.use && !most) continue;
+                begin_ambiguity(f, tracking, s.slot, s.innovation, listener);
+                tracking.ambiguities[static_cast<std::size_t>(s.slot)].jumped = true;
+            }
+            make_carriers(f, tracking, log, epoch, assigned);
+            if (most) break;
+        }
     }
     work.excluded = excluded;
     for (const RangeScalar& s : work.all()) tracking.ambiguities[static_cast<std::size_t>(s.slot)].used = f.time();

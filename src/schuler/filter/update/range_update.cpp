@@ -141,8 +141,10 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
                 delay = gnss::ground_range_delay(earth::geodetic_from_ecef(earth.ellipsoid, m.tx), a.place, now.range);
             }
             RangeScalar& s = next(false);
-            // measured when the receiver's clock showed the tag, that is, bias/c later
-            const double computed = now.range - now.rate * clock / speed_of_light + clock - speed_of_light * m.tx_clock + delay +
+            // Measured when the receiver's clock showed the tag, that is, bias/c earlier, at another place. The transmitter's is that of
+            // the transmission, whatever the clock.
+            const double computed = now.range - now.own_rate * clock / speed_of_light + clock - speed_of_light * m.tx_clock +
+                                    delay +
                                     (source.station ? nominal(L.network)
                                      : offset >= 0  ? nominal(L.intersystem + offset)
                                                     : 0.0) +
@@ -151,7 +153,7 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
             s.variance = sigma * sigma + more;
             navigation(s.row, now.range_by_position, Vector3d::Zero(), now.range_by_attitude);
             if (L.lever_arm >= 0) s.row.add3(L.lever_arm, now.range_by_lever_arm);
-            s.row.add(L.clock, 1.0 - now.rate / speed_of_light);
+            s.row.add(L.clock, 1.0 - now.own_rate / speed_of_light);
             if (source.station) s.row.add(L.network, 1.0);
             else if (offset >= 0) s.row.add(L.intersystem + offset, 1.0);
             if (slot >= 0) s.row.add(slot, 1.0);

@@ -102,6 +102,7 @@ struct RangeTracking {
 struct CarrierUse {
     int phases = 0;      ///< used
     int slipped = 0;     ///< whose ambiguity began anew
+    int doubted = 0;     ///< 1: the prediction contradicted most of them and was opened
     int whole = 0;       ///< ambiguities of them that may be integers
     int held = 0;        ///< of which the filter knows the integer
     double ratio = 0.0;  ///< of the last search; 0: none
@@ -173,6 +174,8 @@ private:
     /// Fills the scalars with phases; RangeScalar::slot is the number of the ambiguity.
     void make_carriers(const InertialFilter<Frame>& filter, RangeTracking& tracking, const RangingLog& log,
                        const RangeEpoch& epoch, const std::array<int, RangeEpochWork::most>& assigned) const;
+    [[nodiscard]] int misfits(const InertialFilter<Frame>& filter, RangeEpochWork& work) const;
+    void doubt_prediction(InertialFilter<Frame>& filter, const RangeTracking& tracking, const RangeEpochWork& work) const;
     /// Searches integers and tells them to the filter.
     void find_integers(InertialFilter<Frame>& filter, RangeTracking& tracking, const RangingLog& log, const RangeEpoch& epoch,
                        RangeListener* listener, CarrierUse& use) const;
