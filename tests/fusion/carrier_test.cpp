@@ -20,13 +20,14 @@ using namespace test;
 constexpr std::array<double, 2> wavelengths{0.190293672798365, 0.244210213424568};  // m, L1 and L2
 
 /// The flight's ranges without errors other than the clock's, which has a random stream of its own.
-RangingLog exact_ranges(const Flight& f) {
+RangingLog exact_ranges(const Flight& f, double clock = 300.0) {
     sim::RangingScenario frame{3, 120.0, {}, Time::from_gps(2300, 3600.0), f.earth};
     sim::RangingSettings r;
     r.lever_arm_b = f.settings.gnss.lever_arm_b;
     r.navigation = gnss::nominal_gps(frame.gps, frame.gps + Duration::from_seconds(frame.duration));
     r.masks.throughout = true;
     r.errors.satellite.white = r.errors.satellite.correlated = 0.0;
+    r.errors.clock.bias = clock;
     sim::WeavingFlight weave;
     weave.start = {52.3 * units::deg, 104.3 * units::deg, 3000.0};
     weave.duration = frame.duration;
@@ -36,9 +37,10 @@ RangingLog exact_ranges(const Flight& f) {
 
 /// The flight's ranges with the errors that a base leaves, and phases on two carriers. `slip`: whole cycles of the first satellite's
 /// first carrier from 60 s on, in the same arc.
-Flight flight_with_base(std::uint64_t seed, int slip = 0) {
+Flight flight_with_base(std::uint64_t seed, int slip = 0, double clock = 300.0) {
     Flight f = flight();
-    RangingLog log = exact_ranges(f);
+    RangingLog log = exact_ranges(f, clock);
+    f.settings.ranging.errors.clock.bias = clock;
     math::Random random(seed, "carriers");
     std::map<std::pair<int, std::size_t>, double> cycles;
     for (RangeEpoch& e : log.epochs) {
@@ -126,6 +128,38 @@ TEST(Carriers, ASlipIsFoundByTheUnit) {
     }
 }
 
+/// Receivers keep their clocks within a millisecond: the antenna is a hand's breadth elsewhere at the time of the tag, while the satellites,
+/// which are faster, are where they were when they sent.
+TEST(Carriers, AClockThatIsFarOff) {
+    const Flight f = flight_with_base(4, 0, 1e5);
+    const Result result = run(f);
+    EXPECT_GE(result.forward.carriers.back().held, result.forward.carriers.back().ambiguities - 2);
+    const Found found = errors(f, result.forward.rows, 5.0);
+    EXPECT_LT(found.largest, 0.03);
+    EXPECT_LE(found.outside, 1U);
+}
+
+/// Half a metre per second squared for a second that is not there, a turn that is not there: the phases go on and say where the antenna is.
+TEST(Carriers, AKnockOfTheUnitIsNoSlip) {
+    for (const bool turn : {false, true}) {
+        Flight f = flight_with_base(5);
+        for (ImuSample& s : f.recording.imu) {
+            if (s.time.seconds() < 60.0 || s.time.seconds() >= 61.0) continue;
+            constexpr double dt = 0.1;  // s
+            (turn ? s.gyro : s.accel) += dt * Eigen::Vector3d(turn ? 0.05 : 0.5, 0.0, 0.0);
+        }
+        const Result result = run(f);
+        int slipped = 0, doubted = 0;
+        for (const CarrierRow& row : result.forward.carriers) slipped += row.slipped, doubted += row.doubted ? 1 : 0;
+        EXPECT_GE(doubted, 1);
+        EXPECT_LE(slipped, 2);
+        const Found found = errors(f, result.forward.rows, 5.0), later = errors(f, result.forward.rows, 75.0);
+        EXPECT_LE(found.outside, 2U);
+        EXPECT_LT(later.largest, 0.05);
+        EXPECT_GT(result.forward.carriers.back().held, 0);
+    }
+}
+
 /// The smoother knows the integers from the first epoch on, and through a hole of twenty seconds.
 TEST(Carriers, SmoothedThroughAHole) {
     Flight f = flight_with_base(3);
@@ -198,8 +232,18 @@ TEST(PhaseRates, KnowTheVelocityBetterThanTheDopplerAndRefuseSlips) {
         return r.kind == AidKind::RangeRate && r.source == 0 && r.status == AidStatus::Rejected &&
                std::lround(r.time.seconds()) == 60;
     });
-    for (const AidRecord& r : slipped.aids) if (r.kind == AidKind::RangeRate && std::abs(r.time.seconds()-60.0) < 1.5 && r.source < 3) printf("t %.3f source %d z %.4f s %.4f status %d\n", r.time.seconds(), r.source, r.innovation(0), r.sigma(0), int(r.status));
-    for (const SolutionRow& row : phases.forward.rows) { const auto k = static_cast<std::size_t>(std::llround(row.time.seconds())); if (k < by_phases.recording.reference.size() && k%10==0) { const Eigen::Vector3d e = row.v_eb_n - by_phases.recording.reference[k].velocity_n; printf("%.3f %.4f %.4f %.4f sigma %.4f %.4f %.4f\n", row.time.seconds(), e.x(), e.y(), e.z(), row.std_velocity.x(), row.std_velocity.y(), row.std_velocity.z()); } }
+    for (const AidRecord& r : slipped.aids)
+        if (r.kind == AidKind::RangeRate && std::abs(r.time.seconds() - 60.0) < 1.5 && r.source < 3)
+            printf("t %.3f source %d z %.4f s %.4f status %d\n", r.time.seconds(), r.source, r.innovation(0), r.sigma(0),
+                   int(r.status));
+    for (const SolutionRow& row : phases.forward.rows) {
+        const auto k = static_cast<std::size_t>(std::llround(row.time.seconds()));
+        if (k < by_phases.recording.reference.size() && k % 10 == 0) {
+            const Eigen::Vector3d e = row.v_eb_n - by_phases.recording.reference[k].velocity_n;
+            printf("%.3f %.4f %.4f %.4f sigma %.4f %.4f %.4f\n", row.time.seconds(), e.x(), e.y(), e.z(), row.std_velocity.x(),
+                   row.std_velocity.y(), row.std_velocity.z());
+        }
+    }
     EXPECT_EQ(refused, 1);
 }
 
