@@ -232,10 +232,12 @@ CarrierUse RangeUpdate<Frame>::use_carriers(InertialFilter<Frame>& f, RangeTrack
     StateVector dx = StateVector::Zero(f.P.rows());
     estim::EpochUpdate update(f.P, f.used);
     make_carriers(f, tracking, log, epoch, assigned);
-    // Those that do not fit begin anew. Where most do not, the prediction is wrong: a receiver does not lose all phases without a
-    // word, an inertial unit that was knocked is off by a metre. The phases then tell where the antenna is.
+    // Those that do not fit begin anew. Where several satellites' do not, it is the prediction that is doubted first: their arcs were
+    // tested before against each other, while an inertial unit that was knocked may be off by a metre. The phases then tell where
+    // the antenna is, and which of them have slipped after all.
     if (!use_all(test_, update, work, dx, nullptr)) {
-        if (misfits(f, work) * 2 > static_cast<int>(work.count)) {
+        constexpr int of_one_satellite = 3;
+        if (misfits(f, work) > of_one_satellite) {
             doubt_prediction(f, tracking, work);
             ++out.doubted;
             make_carriers(f, tracking, log, epoch, assigned);
