@@ -180,7 +180,7 @@ TEST(Carriers, SmoothedThroughAHole) {
     }
 }
 
-/// Range rates from the phases of two epochs, with the Doppler beside them; `slip`: m, in the phases of the first satellite at 60 s.
+/// Range rates from the phases of two epochs, with the Doppler beside them; `slip`: m, in the phases of the second satellite at 60 s.
 Flight flight_with_phase_rates(bool phases, double slip = 0.0) {
     Flight f = flight();
     RangingLog& log = f.recording.ranges;
@@ -199,7 +199,7 @@ Flight flight_with_phase_rates(bool phases, double slip = 0.0) {
             m.phase_span = (e.time - log.epochs[k - 1].time).seconds();
             m.doppler_rate = m.range_rate;
             m.std_rate = not_given;
-            const bool slipped = m.source == log.samples.front().source && std::lround(e.time.seconds()) == 60;
+            const bool slipped = m.source == log.samples[1].source && std::lround(e.time.seconds()) == 60;
             m.range_rate = (now[m.source] - old->second + noise + (slipped ? slip : 0.0)) / m.phase_span;
         }
         before = std::move(now);
@@ -230,7 +230,7 @@ TEST(PhaseRates, KnowTheVelocityBetterThanTheDopplerAndRefuseSlips) {
     EXPECT_LT(velocity_error(with_slip, slipped).first, 1.1 * error);
     EXPECT_LT(beyond, 0.02);
     const auto refused = std::ranges::count_if(slipped.aids, [&](const AidRecord& r) {
-        return r.kind == AidKind::RangeRate && r.source == with_slip.recording.ranges.samples.front().source &&
+        return r.kind == AidKind::RangeRate && r.source == with_slip.recording.ranges.samples[1].source &&
                r.status == AidStatus::Rejected && std::lround(r.time.seconds()) == 60;
     });
     EXPECT_EQ(refused, 1);
