@@ -162,9 +162,71 @@ heading_deg = 30
     print(f"loose, at rest: {1e3 * max(late):.1f} mm at most")
     check(max(late) < 0.02, f"{max(late)} m")
     check((Path(program.folder) / "out/carrier.csv").is_file(), "carrier.csv is there too")
-    told = program("process", name, "--scheme", "tight", "-o", "out", "--self-check", "off").stderr
-    check("choose --scheme loose to use them" in told, f"tight coupling does not use the base's phases: {told}")
+    told = program("process", name, "--scheme", "intermediate", "-o", "out", "--self-check", "off").stderr
+    check("--scheme tight or loose uses them" in told, f"intermediate coupling does not use the base's phases: {told}")
+
+
+def ppk_tight(program, source):
+    """The generator's figure with a simulated unit: ambiguities as states of the filter, three outages of twenty seconds."""
+    data = data_of(source)
+    folder = Path(program.folder)
+    with open(data / "Rover-dynamic_motion_Spirent.csv", newline="") as file:
+        next(file)
+        motion = list(csv.DictReader(file))
+    began = 1357207200.0
+    with open(folder / "rose.csv", "w") as file:
+        file.write("time_s,lat_deg,lon_deg,height_m,roll_deg,pitch_deg,heading_deg\n")
+        for row in motion:
+            lat, lon, heading = (math.degrees(float(row[key])) for key in ("Lat", "Long", "Heading"))
+            file.write(f"{float(row['Time_ms']) / 1e3:.3f},{lat:.11f},{lon:.11f},{float(row['Height']):.4f},0,0,{heading:.6f}\n")
+    (folder / "rose.toml").write_text('name = "rose"\nseed = 5\nduration_s = 590\n[trajectory]\ntype = "file"\nfile = "rose.csv"\n'
+                                      '[imu]\nrate_hz = 50\ngrade = "mems"\n')
+    program("simulate", "rose.toml", "-o", "simulated", "-q")
+    name = described(program, "tight", data, rover="Rover-dynamic_MO_Spirent.obs.gz", scheme="tight",
+                     more='[imu]\nfile = "imu.csv"\ngrade = "mems"\naxes = "frd"\n')
+    with open(folder / "simulated/imu.csv") as rows, open(folder / name / "imu.csv", "w") as file:
+        file.write(next(rows))
+        for row in rows:
+            time, rest = row.split(",", 1)
+            file.write(f"{float(time) + began:.3f},{rest}")
+    outages = [200.0, 320.0, 440.0]
+    done = program("process", name, "-o", "out", "--json", "--smooth", "--self-check", "off",
+                   *(word for start in outages for word in ("--outage", f"{start:.0f}:20")))
+    check(json.loads(done.stdout)["ambiguities"]["held"] > 10_000, f"{done.stdout}")
+
+    def errors(file):
+        out = []
+        for row in rows_of(folder / file):
+            time = float(row["time_s"]) - began
+            k = round(10.0 * time)
+            if k >= len(motion) or abs(10.0 * time - k) > 1e-3:
+                continue
+            true = motion[k]
+            off = metres(row, (math.degrees(float(true["Lat"])), math.degrees(float(true["Long"])), float(true["Height"])))
+            out.append((time, math.sqrt(sum(x * x for x in off)),
+                        any(abs(x) > 3.0 * float(row[std]) for x, std in zip(off, ("std_n_m", "std_e_m", "std_d_m")))))
+        return out
+
+    smoothed = errors("out/solution.csv")
+    inside = [e for t, e, _ in smoothed if any(start < t < start + 20.0 for start in outages)]
+    rest = [e for t, e, _ in smoothed if t > 10.0 and not any(start < t < start + 23.0 for start in outages)]
+    print(f"tight, smoothed: {1e3 * max(inside):.0f} mm in outages, else {1e3 * max(rest):.1f} mm")
+    check(max(inside) < 0.1 and max(rest) < 0.015, f"{max(inside)}, {max(rest)} m")
+    check(sum(out for _, _, out in smoothed) < 0.01 * len(smoothed), "smoothed within three sigma")
+    program("process", name, "-o", "forward", "--self-check", "off", *(word for start in outages for word in ("--outage", f"{start:.0f}:20")))
+    forward = errors("forward/solution.csv")
+    inside = [e for t, e, _ in forward if any(start < t < start + 20.0 for start in outages)]
+    rest = [e for t, e, _ in forward if t > 10.0 and not any(start < t < start + 23.0 for start in outages)]
+    print(f"tight, forward: {max(inside):.2f} m in outages, else {1e3 * max(rest):.1f} mm")
+    check(max(inside) < 1.0 and max(rest) < 0.03, f"{max(inside)}, {max(rest)} m")
+    check(sum(out for _, _, out in forward) < 0.01 * len(forward), "forward within three sigma")
+    phases = rows_of(folder / "forward/ambiguities.csv")
+    first = next(float(row["time_s"]) - began for row in phases if int(row["held"]) > 0)
+    check(first < 10.0, f"integers from {first} s on")
+    for start in outages:
+        again = next(float(row["time_s"]) - began for row in phases if float(row["time_s"]) > began + start + 19.0 and int(row["held"]) > 0)
+        check(again < start + 22.5, f"after the outage at {start} s integers at {again} s")
 
 
 if __name__ == "__main__":
-    main({"ppk_generator": ppk_generator, "ppk_refusals": ppk_refusals, "ppk_loose": ppk_loose, "ppk_satellites": ppk_satellites})
+    main({"ppk_generator": ppk_generator, "ppk_refusals": ppk_refusals, "ppk_loose": ppk_loose, "ppk_tight": ppk_tight, "ppk_satellites": ppk_satellites})

@@ -260,6 +260,89 @@ TEST_F(MadeUp, LongBaselineUnderADisturbedIonosphere) {
     }
 }
 
+/// A storm: the ionosphere differs by 10 to 50 mm a kilometre. The integers are right, and the height is off by twice the difference:
+/// two carriers show it.
+TEST_F(MadeUp, AStormOfTheIonosphereOverTwoKilometres) {
+    rover.place = [](Time t) {
+        const double a = (t - start).seconds() / 8.0;
+        return test::place_from(origin, 1600.0 + 40.0 * std::cos(a), 1200.0 + 40.0 * std::sin(a), 20.0);
+    };
+    rover.air = base.air = true;
+    settings.air.troposphere = true;
+    single.ranges.troposphere = gnss::TroposphereModel::Saastamoinen;
+    single.ranges.ionosphere = gnss::IonosphereModel::Broadcast;
+    settings.air.ionosphere = gnss::BroadcastIonosphere{};
+    settings.frequencies = 2;
+    for (const double vertical : {0.0, 0.02, 0.05, 0.1}) {
+        std::size_t outside = 0, epochs = 0, fixed = 0;
+        double largest = 0.0, sigma = 0.0;
+        for (std::uint64_t seed = 40; seed < 44; ++seed) {
+            rover.vertical_ionosphere = [vertical](SatelliteId, double) { return vertical; };
+            measure(120.0, seed);
+            const Solution s = solved();
+            const Errors e = errors(s);
+            outside += e.outside;
+            epochs += e.epochs;
+            fixed += e.fixed;
+            largest = std::max(largest, e.largest);
+            sigma = std::max(sigma, std::sqrt(s.epochs.back().covariance.trace()));
+        }
+        fmt::print("{} mm over 2 km: {} of {} epochs fixed, {} outside, {:.0f} mm at most, sigma {:.0f} mm\n", 1e3 * vertical,
+                   fixed, epochs, outside, 1e3 * largest, 1e3 * sigma);
+        EXPECT_LE(outside, epochs / 50);
+        if (vertical == 0.0) {
+            EXPECT_LT(sigma, 0.02);
+        }
+    }
+}
+
+/// For a filter with its own motion: codes and phases less the base's are ranges with the rover's clock alone, whatever the base's does.
+TEST_F(MadeUp, RangesRelativeToTheBase) {
+    base.clock = [](Time t) { return (t - start).seconds() < 30.5 ? -3e-6 : 1e-3 - 3e-6; };  // a step of a millisecond
+    rover.code_sigma = base.code_sigma = 0.2;
+    settings.ranges = true;
+    measure(60.0, 7);
+    const Solution s = solved();
+    const RangingLog& log = s.ranges;
+    ASSERT_EQ(log.epochs.size(), 61U);
+    std::map<std::pair<int, int>, double> ambiguity;  // m, of satellite and carrier
+    std::map<int, int> arcs;
+    double square = 0.0, n = 0.0, offset = not_given;
+    for (const RangeEpoch& e : log.epochs) {
+        const double clock = rover.clock(e.time);
+        const Ecef place = rover.place(e.time - Duration::from_seconds(clock));
+        std::map<int, double> apart;  // phase minus exact range, m
+        for (const CarrierSample& c : log.carriers_of(e)) {
+            const auto samples = log.of(e);
+            const auto m = std::ranges::find(samples, c.source, &RangeSample::source);
+            ASSERT_NE(m, samples.end());
+            TrackedSatellite satellite;
+            satellite.position = m->tx;
+            const double exact = line_to(satellite, place, earth::geodetic_from_ecef(earth::wgs84, place)).range +
+                                 gnss::speed_of_light * (clock - m->tx_clock);
+            if (c.carrier == 0) {
+                if (std::isnan(offset)) offset = m->pseudorange - exact;
+                square += std::pow(m->pseudorange - exact - offset, 2);
+                n += 1.0;
+            }
+            const int key = 4 * c.source + c.carrier;
+            apart[key] = c.phase - exact;
+            const auto [it, fresh] = ambiguity.try_emplace({c.source, c.carrier}, apart[key]);
+            EXPECT_EQ(arcs.try_emplace(key, c.arc).first->second, c.arc) << "the base's clock is no slip";
+            EXPECT_NEAR(c.phase - exact, it->second, 0.3 + std::abs(offset)) << "the base's clock shows";
+        }
+        // within one carrier of a system the ambiguities differ by whole cycles
+        for (const CarrierSample& a : log.carriers_of(e)) {
+            const CarrierSample& first = *std::ranges::find_if(log.carriers_of(e), [&](const CarrierSample& c) {
+                return c.carrier == a.carrier && log.sources[c.source].name[0] == log.sources[a.source].name[0];
+            });
+            const double cycles = (apart[4 * a.source + a.carrier] - apart[4 * first.source + first.carrier]) / a.wavelength;
+            EXPECT_NEAR(cycles, std::round(cycles), 0.3);
+        }
+    }
+    EXPECT_LT(std::sqrt(square / n), 1.5);
+}
+
 TEST_F(MadeUp, BasesThatAreNone) {
     const auto message = [&](std::optional<Ecef> position = {}) { return io::test::message_of([&] { (void)solved(position); }); };
     const Ecef right = test::place_from(origin, 0, 0, 0);

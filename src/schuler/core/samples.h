@@ -49,6 +49,7 @@ struct GnssFix {
     int satellites = -1;
     double position_age = 0.0;  ///< s; the position is valid at time - position_age (0 unless given by the log)
     double velocity_age = 0.0;  ///< s; likewise for the velocity
+    double lasting = 1.0;  ///< factor on the position's variance as a measurement, if its error is that of its neighbours too
 };
 
 struct BaroSample {

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace schuler::dataset {
 namespace {
@@ -83,6 +84,20 @@ GnssFix fix_of(const ppk::EpochSolution& s) {
     return fix;
 }
 
+/// The error of a float solution is that of its ambiguities, which codes reveal as slowly as their reflections change: of many fixes the
+/// first counts in full and each further one by what it adds (ppk::BaselineFilter does so with codes).
+void weigh_float(std::vector<GnssFix>& fixes, double correlation) {
+    const GnssFix* before = nullptr;
+    for (GnssFix& fix : fixes) {
+        if (fix.fix != FixType::RtkFloat) continue;
+        if (before != nullptr && correlation > 0.0) {
+            const double rho = std::exp(-(fix.time - before->time).seconds() / correlation);
+            fix.lasting = (1.0 + rho) / std::max(1.0 - rho, 1e-3);
+        }
+        before = &fix;
+    }
+}
+
 void tell(const ppk::Solution& s, const std::string& base, WarningLog& warnings) {
     const std::size_t fixed = s.count(ppk::Quality::Fixed), floating = s.count(ppk::Quality::Float),
                       single = s.count(ppk::Quality::Single);
@@ -96,7 +111,7 @@ void tell(const ppk::Solution& s, const std::string& base, WarningLog& warnings)
 
 }  // namespace
 
-CarrierPhase carrier_phase(const fs::path& folder, const Description& description, WarningLog& warnings) {
+CarrierPhase carrier_phase(const fs::path& folder, const Description& description, bool ranges, WarningLog& warnings) {
     RawLogs rover = read_raw_logs(folder, description.raw, warnings);
     const std::optional<Time> near =
         rover.logs.front().epochs.empty() ? std::nullopt : std::optional(rover.logs.front().epochs.front().time);
@@ -112,15 +127,20 @@ CarrierPhase carrier_phase(const fs::path& folder, const Description& descriptio
     input.source = source.get();
     input.single = description.raw.solver;
     input.ionosphere = gnss::broadcast_ionosphere(rover.navigation);
-    const ppk::Solution found = ppk::solve(input, settings_of(description, *input.ionosphere), warnings);
+    ppk::Settings settings = settings_of(description, *input.ionosphere);
+    settings.ranges = ranges;
+    ppk::Solution found = ppk::solve(input, settings, warnings);
     tell(found, input.base_name, warnings);
     CarrierPhase out;
     out.base = found.base;
+    out.ranges = std::move(found.ranges);
+    out.base_sigma = found.base_sigma;
     for (const ppk::EpochSolution& e : found.epochs) {
         if (e.quality == ppk::Quality::None) continue;
         out.fixes.push_back(fix_of(e));
         out.epochs.push_back(e);
     }
+    weigh_float(out.fixes, settings.code_correlation);
     return out;
 }
 

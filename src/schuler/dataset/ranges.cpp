@@ -13,6 +13,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <optional>
 #include <utility>
 
 namespace schuler::dataset {
@@ -26,6 +28,7 @@ void place_transmitters(RangingLog& log, const std::vector<io::StationRow>& stat
     std::size_t lost = 0;
     RangingLog out;
     out.sources = log.sources;
+    out.to_gps = log.to_gps;
     for (const RangeEpoch& e : log.epochs) {
         RangeEpoch kept{e.time, out.samples.size(), 0};
         for (RangeSample m : log.of(e)) {
@@ -98,6 +101,7 @@ RangingLog ranges_from_csv(const fs::path& folder, const Description& d, Warning
     const gnss::Navigation navigation = read_navigation(folder, d, warnings);
     const gnss::BroadcastSource orbits(navigation);
     const Duration to_gps = d.time.week ? Time::from_gps(*d.time.week, 0.0) - Time{} : Duration{};
+    log.to_gps = to_gps;
     place_transmitters(log, stations, navigation.size() > 0 ? &orbits : nullptr, to_gps, warnings);
     if (log.empty())
         throw input_error("has no range to a source whose place is known", {d.ranges.file, 0, 0, {}},
@@ -105,7 +109,39 @@ RangingLog ranges_from_csv(const fs::path& folder, const Description& d, Warning
     return log;
 }
 
-RawRanges ranges_from_raw(const fs::path& folder, const Description& d, WarningLog& warnings) {
+namespace {
+
+/// Range rates from the phases of two epochs.
+class PhaseRates {
+public:
+    /// The rate of a satellite at an epoch, over its interval from the epoch before; empty where it cannot be had.
+    struct Rate {
+        double rate = 0.0, span = 0.0;  ///< m/s, s
+    };
+    void begin(Time tag) {
+        before_ = std::exchange(now_, {});
+        before_tag_ = std::exchange(tag_, tag);
+    }
+    [[nodiscard]] std::optional<Rate> next(const gnss::Range& r) {
+        now_[r.satellite] = r;
+        const auto old = before_.find(r.satellite);
+        if (old == before_.end() || old->second.signal != r.signal || r.phase_lost || old->second.half_cycle != r.half_cycle)
+            return std::nullopt;
+        constexpr double longest = 1.05, apart = 2.0;  // s; m/s: a slip of many cycles, a step of the clock
+        const double span = (tag_ - before_tag_).seconds(), rate = (r.phase - old->second.phase) / span,
+                     doppler = 0.5 * (r.range_rate + old->second.range_rate);
+        if (!(span > 0.0) || span > longest || !std::isfinite(rate) || std::abs(rate - doppler) > apart) return std::nullopt;
+        return Rate{rate, span};
+    }
+
+private:
+    std::map<gnss::SatelliteId, gnss::Range> before_, now_;
+    Time before_tag_{}, tag_{};
+};
+
+}  // namespace
+
+RawRanges ranges_from_raw(const fs::path& folder, const Description& d, bool phase_rates, WarningLog& warnings) {
     gnss::Navigation navigation = read_navigation(folder, d, warnings);
     RawRanges out;
     RangingLog& log = out.log;
@@ -118,11 +154,14 @@ RawRanges ranges_from_raw(const fs::path& folder, const Description& d, WarningL
     }
     const gnss::BroadcastSource orbits(navigation);
     warn_of_contradictions(navigation, orbits.navigation(), warnings);
+    PhaseRates phases;
+    std::vector<double> spans;
     for (const gnss::ObservationLog& raw : logs) {
         for (const gnss::ObservationEpoch& e : raw.epochs) {
             gnss::prepare_ranges(raw.of(e), e.time, orbits, raw.channels, d.raw.solver.ranges, ranges);
             if (ranges.empty() || (!log.epochs.empty() && e.time <= log.epochs.back().time)) continue;
             log.epochs.push_back({e.time, log.samples.size(), ranges.size()});
+            phases.begin(e.time);
             for (const gnss::Range& r : ranges) {
                 RangeSample m;
                 m.source = log.source(gnss::name_of(r.satellite), false);
@@ -134,12 +173,39 @@ RawRanges ranges_from_raw(const fs::path& folder, const Description& d, WarningL
                 m.frequency = r.frequency;
                 m.variance = r.variance;
                 m.noise = r.noise;
+                if (const auto phase = phases.next(r); phase && phase_rates) {
+                    m.doppler_rate = std::exchange(m.range_rate, phase->rate);
+                    m.phase_span = phase->span;
+                    spans.push_back(phase->span);
+                }
                 log.samples.push_back(m);
             }
         }
     }
+    if (!spans.empty()) out.phase_span = math::median(std::move(spans));
     out.ionosphere = gnss::broadcast_ionosphere(navigation);
     warn_of_missing_ionosphere(out.ionosphere, d.raw, warnings);
+    return out;
+}
+
+RangingLog with_own(RangingLog relative, const RangingLog& own) {
+    RangingLog out;
+    out.sources = std::move(relative.sources);
+    out.carriers = std::move(relative.carriers);
+    const auto take = [&out](const RangingLog& from, const RangeEpoch& e, bool rename) {
+        RangeEpoch& added = out.epochs.emplace_back(e);
+        added.first = out.samples.size();
+        for (RangeSample m : from.of(e)) {
+            if (rename) m.source = out.source(from.sources[m.source].name + " alone", from.sources[m.source].station);
+            out.samples.push_back(m);
+        }
+    };
+    auto next = relative.epochs.begin();
+    for (const RangeEpoch& e : own.epochs) {
+        while (next != relative.epochs.end() && next->time <= e.time) take(relative, *next++, false);
+        if (out.epochs.empty() || out.epochs.back().time != e.time) take(own, e, true);
+    }
+    while (next != relative.epochs.end()) take(relative, *next++, false);
     return out;
 }
 

@@ -128,7 +128,7 @@ void read_gnss(const fs::path& folder, const Description& d, const Reading& read
         if (d.raw.observations.empty())
             throw input_error("a base station needs the rover's raw measurements", {{}, 0, 0, "base.observations"},
                               "name them: [gnss] observations = \"rover.obs\"");
-        out.carrier = carrier_phase(folder, d, warnings);
+        out.carrier = carrier_phase(folder, d, reading.ranges, warnings);
         out.carrier.fixes = on_own_axis(std::move(out.carrier.fixes), d.time, out.recording, offset);
         out.recording.gnss = out.carrier.fixes;
         return;

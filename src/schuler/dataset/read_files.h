@@ -20,6 +20,7 @@ namespace schuler::dataset {
 /// Reading options in addition to the description.
 struct Reading {
     bool imu = true;                                     ///< false: an IMU log is not required
+    bool ranges = false;                                 ///< relative to a base, if there is one
     Eigen::Matrix3d C_bs = Eigen::Matrix3d::Identity();  ///< sensor axes of the IMU to body axes, including the mounting
     std::optional<Eigen::Matrix3d> C_imu_mag;            ///< axes of the magnetometer to those of the IMU, if different
     std::string gauges, log, compass;                    ///< files of survey instruments; empty: none

@@ -98,7 +98,7 @@ SatelliteViews satellite_views(const fs::path& folder, const Description& descri
     if (description.base.observations.empty()) return out;
     Description viewed = description;
     viewed.base.settings.views = true;
-    out.carrier = carrier_phase(folder, viewed, warnings);
+    out.carrier = carrier_phase(folder, viewed, false, warnings);
     const Time from = out.epochs.front().tag - Duration::from_seconds(0.5),
                to = out.epochs.back().tag + Duration::from_seconds(0.5);
     CarrierPhase inside;

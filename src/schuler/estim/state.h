@@ -6,7 +6,7 @@
 namespace schuler::estim {
 
 /// Capacity for the largest filter. A multiple of four, like every size used, so that columns consist of whole vectors.
-inline constexpr int max_states = 104;
+inline constexpr int max_states = 128;
 
 using StateVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_states, 1>;
 using StateMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max_states, max_states>;

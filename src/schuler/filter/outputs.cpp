@@ -138,6 +138,7 @@ ParameterRow parameter_row(Time time, const Layout& layout, const StateVector& p
     const auto is_slot = [&](int i) {  // assigned to sources and carriers as they come
         return (layout.source >= 0 && i >= layout.source) ||
                (layout.source_rate >= 0 && i >= layout.source_rate && i < layout.source_rate + Layout::slots) ||
+               (layout.ambiguity >= 0 && i >= layout.ambiguity && i < layout.ambiguity + layout.ambiguities) ||
                (layout.phase >= 0 && i >= layout.phase && i < layout.phase + 2 * layout.phases);
     };
     for (int i = Layout::navigation; i < layout.size; ++i) {

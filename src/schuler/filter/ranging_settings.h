@@ -1,9 +1,11 @@
 // User settings for ranges in the filter.
 #pragma once
 
+#include "schuler/filter/integer_search.h"
 #include "schuler/gnss/ranges.h"
 #include "schuler/sensor/range_errors.h"
 
+#include <memory>
 #include <optional>
 
 namespace schuler::filter {
@@ -28,6 +30,11 @@ struct RangingFilterSettings {
     bool use_rates = true;
     bool use_stations = true;
     ProtectionSettings protection;
+    double phase_change_std = 0.005;  ///< m, of the change of a satellite's carrier phase between two epochs, at the zenith
+    double timing_std = 0.005;        ///< s, of the time of the ranges by the clock of the IMU, from epoch to epoch
+    double phase_correlation = 30.0;  ///< s: of successive carrier phases of a satellite
+    double ambiguity_walk = 2e-4;     ///< m/sqrt(s), keeps ambiguities from becoming overconfident
+    std::shared_ptr<const IntegerSearch> integers;  ///< null: ambiguities remain real-valued
     double receiver_acceleration = 3.0;  ///< m/s/sqrt(s), intermediate: white acceleration assumed by the receiver's own filter
 };
 

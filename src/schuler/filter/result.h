@@ -121,6 +121,16 @@ struct ProtectionRow {
     int alarm = -1;                           ///< index into RangingLog::sources: source found faulty at this epoch
 };
 
+/// Carrier phases relative to a base, after an epoch of ranges.
+struct CarrierRow {
+    Time time{};
+    int phases = 0, slipped = 0;  ///< used; begun anew because they contradicted the others and the inertial prediction
+    int ambiguities = 0;          ///< of them that may be integers
+    int held = 0;                 ///< whose integer the filter knows
+    double ratio = 0.0;           ///< of the search for integers; 0: none
+    bool doubted = false;         ///< most phases contradicted the inertial prediction, which was opened
+};
+
 /// Intermediate coupling: the receiver's own filter compared with the tight one, north, east, down, after an epoch of ranges.
 struct CrossCheck {
     Time time{};
@@ -146,6 +156,7 @@ struct Trajectory {
     std::vector<CovarianceRow> covariances;     ///< at the output rate, if requested by Settings::covariance_rows
     std::vector<StateRow> states;               ///< at most 1 Hz, forward pass only, if Settings::state_rows requests it
     std::vector<OutageEpoch> outage_epochs;
+    std::vector<CarrierRow> carriers;       ///< one per epoch with carrier phases relative to a base, forward pass only
     std::vector<ProtectionRow> protection;  ///< one per epoch of ranges, forward pass only
 };
 

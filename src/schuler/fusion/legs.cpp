@@ -22,11 +22,14 @@ std::vector<Sample> within(const std::vector<Sample>& log, Time from, Time to) {
 }
 
 RangingLog within(const RangingLog& log, Time from, Time to) {
-    RangingLog part{log.sources, within(log.epochs, from, to), {}};
+    RangingLog part{log.sources, within(log.epochs, from, to), {}, {}, log.to_gps};
     for (RangeEpoch& e : part.epochs) {
         const std::span<const RangeSample> samples = log.of(e);
         e.first = static_cast<decltype(e.first)>(part.samples.size());
         part.samples.insert(part.samples.end(), samples.begin(), samples.end());
+        const std::span<const CarrierSample> carriers = log.carriers_of(e);
+        e.first_carrier = part.carriers.size();
+        part.carriers.insert(part.carriers.end(), carriers.begin(), carriers.end());
     }
     return part;
 }
@@ -44,6 +47,7 @@ void join(Trajectory& all, Trajectory& more, bool same_states) {
     join(all.states, more.states);
     join(all.outage_epochs, more.outage_epochs);
     join(all.protection, more.protection);
+    join(all.carriers, more.carriers);
     if (!same_states) return;
     join(all.parameters, more.parameters);
     join(all.covariances, more.covariances);

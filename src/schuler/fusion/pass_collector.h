@@ -92,6 +92,10 @@ public:
         options_.after_ranges(epoch, earth::moved_by_ned(model_.earth, nav.position, lever_n),
                               run.filter.local_covariance(model_).template topLeftCorner<3, 3>());
     }
+    void carriers(const FilterRun<Frame>&, const RangeEpoch& epoch, const CarrierUse& use) override {
+        result_.forward.carriers.push_back(
+            {epoch.time, use.phases, use.slipped, use.whole, use.held, use.ratio, use.doubted > 0});
+    }
 
 private:
     /// Decimated as the rows of the solution (report::decimated).

@@ -44,7 +44,7 @@ bool ReceiverFilter::start(const RangeEpoch& epoch, std::span<const RangeSample>
     gnss::SinglePointSettings settings;
     settings.ranges = settings_.ranging.corrections;
     gnss::SinglePoint solver(nobody, settings_.ranging.ionosphere, settings);
-    RangingLog now{log_.sources, {{epoch.time, 0, samples.size()}}, {samples.begin(), samples.end()}};
+    RangingLog now{log_.sources, {{epoch.time, 0, samples.size()}}, {samples.begin(), samples.end()}, {}, log_.to_gps};
     const gnss::SinglePointSolution s = solver.solve(gnss::satellite_ranges(now, now.epochs.front()), epoch.time);
     if (s.status != gnss::SinglePointStatus::Solved) return false;
     const earth::Earth& earth = model_.earth;

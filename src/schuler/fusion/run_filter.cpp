@@ -192,12 +192,13 @@ std::optional<RangingLog> without_faulty_sources(const RunData& data, Settings s
                         "whole run, because the smoother cannot take a fault out of the past",
                         name, (when - origin_of(recording)).seconds()));
     }
-    RangingLog out{recording.ranges.sources, {}, {}};
+    RangingLog out{recording.ranges.sources, {}, {}, {}, recording.ranges.to_gps};
     for (const RangeEpoch& e : recording.ranges.epochs) {
-        const std::size_t first = out.samples.size();
-        std::ranges::copy_if(recording.ranges.of(e), std::back_inserter(out.samples),
-                             [&](const RangeSample& m) { return !found.contains(m.source); });
-        out.epochs.push_back({e.time, first, out.samples.size() - first});
+        const std::size_t first = out.samples.size(), first_carrier = out.carriers.size();
+        const auto healthy = [&](const auto& sample) { return !found.contains(sample.source); };
+        std::ranges::copy_if(recording.ranges.of(e), std::back_inserter(out.samples), healthy);
+        std::ranges::copy_if(recording.ranges.carriers_of(e), std::back_inserter(out.carriers), healthy);
+        out.epochs.push_back({e.time, first, out.samples.size() - first, first_carrier, out.carriers.size() - first_carrier});
     }
     return out;
 }

@@ -111,6 +111,10 @@ void prepare_ranges(std::span<const SignalObservation> observations, Time tag, c
         if (std::isfinite(a->doppler)) {
             r.range_rate = -a->doppler * speed_of_light / r.frequency + speed_of_light * t->state.clock_rate;
         }
+        if (std::isfinite(a->phase) && a->phase != 0.0)
+            r.phase = a->phase * speed_of_light / r.frequency + speed_of_light * t->state.clock;
+        r.phase_lost = (a->loss_of_lock & 1U) != 0;
+        r.half_cycle = (a->loss_of_lock & 2U) != 0;
         if (dual) r.frequency = 0.0;
         out.push_back(r);
     }

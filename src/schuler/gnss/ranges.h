@@ -44,6 +44,9 @@ struct Range {
     Time transmit;
     double pseudorange = 0;         ///< m
     double range_rate = not_given;  ///< m/s from the Doppler, satellite clock rate removed
+    double phase = not_given;       ///< m, carrier of `signal`, satellite clock removed; its number of cycles is unknown
+    bool phase_lost = false;        ///< the receiver reports that the count of cycles was interrupted before this epoch
+    bool half_cycle = false;        ///< it has not resolved half cycles yet
     double frequency = 0;           ///< Hz, for the ionosphere; 0: ionosphere-free
     double cn0 = not_given;         ///< dB-Hz
     double noise = 1;               ///< factor on the code's sigma from combining signals

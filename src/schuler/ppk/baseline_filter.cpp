@@ -216,7 +216,12 @@ double BaselineFilter::place(Time tag, const Eigen::VectorXd& x, const Eigen::Ma
     const Rows r = rows(tag, Weighting::Phases, x);
     const Eigen::Index others = x.size() - 6;
     const auto H_others = r.H.rightCols(others);
-    const Eigen::MatrixXd S = r.R + H_others * P.bottomRightCorner(others, others) * H_others.transpose();
+    Eigen::MatrixXd S = r.R + H_others * P.bottomRightCorner(others, others) * H_others.transpose();
+    Eigen::VectorXd by_vertical(r.z.size());
+    for (std::size_t i = 0; i < r.of.size(); ++i)
+        by_vertical[static_cast<Eigen::Index>(i)] =
+            differences_[r.of[i].reference].vertical_factor() - differences_[r.of[i].of].vertical_factor();
+    S += vertical_.variance * by_vertical * by_vertical.transpose();
     const Eigen::LLT<Eigen::MatrixXd> root(S);
     if (settings_.motion == Motion::Static || r.of.size() < 4 || root.info() != Eigen::Success) {
         out.position.r = x.head<3>();
@@ -254,6 +259,7 @@ void BaselineFilter::use_integers(Time tag, double dt, EpochSolution& out) {
     const Eigen::VectorXd x = x_ + trial.fix->correction;
     const double squares = place(tag, x, trial.fix->covariance, out);
     if (trial.fix->count == trial.fix->ambiguities) {
+        follow_ionosphere(x, dt);
         phase_scale_.add(phase_scale_.value() * squares, trial.fix->ambiguities - 3.0, dt);
         place(tag, x, trial.fix->covariance, out);
     }
@@ -266,6 +272,45 @@ void BaselineFilter::use_integers(Time tag, double dt, EpochSolution& out) {
     if (out.covariance.trace() < fixed_sigma * fixed_sigma) out.quality = Quality::Fixed;
     if (settings_.views) look_at_signals(x, true, out);
     if (trial.fix->count == trial.fix->ambiguities) hold(*trial.fix);
+}
+
+/// Two carriers with integers show by how much the vertical delay of the ionosphere differs between the receivers: the difference of
+/// their phases grows with it towards the horizon. On short baselines it is usually below the noise and no state; in a storm the
+/// measurements are corrected by it.
+void BaselineFilter::follow_ionosphere(const Eigen::VectorXd& x, double dt) {
+    if (ionosphere_ || !settings_.air.ionosphere) return;
+    struct Sums {
+        double weight = 0, by = 0, z = 0, by_by = 0, by_z = 0;
+    };
+    std::map<std::pair<int, int>, Sums> pairs;  // carriers of one system: their ambiguities have a constant in common
+    for (std::size_t k = 0; k + 1 < differences_.size(); ++k) {
+        const Difference &a = differences_[k], &b = differences_[k + 1];  // those of one satellite are adjacent
+        if (a.id != b.id || !entry_of(k).trusted || !entry_of(k + 1).trusted) continue;
+        const double z = (a.phase - x[ambiguity_[k]]) - (b.phase - x[ambiguity_[k + 1]]),
+                     by = b.vertical_factor() - a.vertical_factor(),
+                     w = 1.0 / (a.phase_variance - a.left + b.phase_variance - b.left);
+        Sums& s = pairs[{group_of(a), group_of(b)}];
+        s.weight += w;
+        s.by += w * by;
+        s.z += w * z;
+        s.by_by += w * by * by;
+        s.by_z += w * by * z;
+    }
+    double information = 0.0, right = 0.0;
+    for (const auto& [carriers, s] : pairs) {
+        information += s.by_by - s.by * s.by / s.weight;
+        right += s.by_z - s.by * s.z / s.weight;
+    }
+    constexpr double least = 1.0, memory = 600.0;  // 1/m^2, s
+    if (information < least) return;
+    Vertical& v = vertical_;
+    v.weight = v.weight * std::exp(-std::abs(dt) / memory) + information;
+    v.mean += (right / information - v.mean) * information / v.weight;
+    // the variance of this mean: phases err alike for some time
+    const double alike = 1.0 + 2.0 * settings_.phase_correlation / std::max(std::abs(dt), 1e-3);
+    const double noise = std::min(alike / v.weight, 1.0 / information);
+    v.value = v.mean * std::max(1.0 - noise / (v.mean * v.mean), 0.0);  // as far as it is more than noise
+    v.variance = std::min(noise, v.value * v.value);
 }
 
 /// Once the same integers have been fixed for some epochs, the float solution is constrained to them: when satellites slip or
@@ -362,6 +407,10 @@ EpochSolution BaselineFilter::step(const TrackedEpoch& rover) {
     out.velocity_covariance = P_.block<3, 3>(3, 3);
     if (settings_.views) look_at_signals(x_, false, out);
     if (settings_.integers.use) use_integers(rover.tag, dt, out);
+    out.code_scale = code_scale_.value();
+    out.phase_scale = phase_scale_.value();
+    out.vertical_ionosphere = vertical_.value;
+    out.vertical_weight = vertical_.weight;
     return out;
 }
 

@@ -93,6 +93,7 @@ private:
     bool update(Time tag, double dt, EpochSolution& out);
     void use_velocity(const TrackedEpoch& rover);
     void use_integers(Time tag, double dt, EpochSolution& out);
+    void follow_ionosphere(const Eigen::VectorXd& x, double dt);
     void hold(const IntegerFix& fix);
     [[nodiscard]] EpochSolution single(const TrackedEpoch& rover) const;
     void look_at_signals(const Eigen::VectorXd& x, bool integers, EpochSolution& out) const;
@@ -112,6 +113,11 @@ private:
     std::vector<bool> code_out_;
     std::map<int, double> offsets_;
     Scale code_scale_{0.25}, phase_scale_{1.0};
+    /// Vertical ionospheric delay on L1, rover minus base, beyond the models.
+    struct Vertical {
+        double mean = 0, weight = 0;     ///< m, 1/m^2: over some minutes
+        double value = 0, variance = 0;  ///< m, m^2: what is used of it
+    } vertical_;
     std::map<std::pair<SatelliteId, std::uint8_t>, Time> code_;  ///< last use of a signal's code
     int same_integers_ = 0;                                      ///< consecutive epochs
     Ecef linearised_;                                            ///< position at which the differences were computed

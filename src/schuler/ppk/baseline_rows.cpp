@@ -78,7 +78,7 @@ BaselineFilter::Rows BaselineFilter::rows(Time tag, Weighting weighting, const E
             out.H(i, delay_[row.of]) += sign * d.factor;
             out.H(i, delay_[row.reference]) -= sign * o.factor;
         }
-        double modelled = out.H(i, 6) * x[6];
+        double modelled = out.H(i, 6) * x[6] + sign * (d.vertical_factor() - o.vertical_factor()) * vertical_.value;
         if (ionosphere_) modelled += sign * (d.factor * x[delay_[row.of]] - o.factor * x[delay_[row.reference]]);
         if (row.phase) {
             out.H(i, ambiguity_[row.of]) = 1.0;
@@ -100,7 +100,8 @@ void BaselineFilter::look_at_signals(const Eigen::VectorXd& x, bool integers, Ep
     for (std::size_t k = 0; k < differences_.size(); ++k) {
         const Difference& d = differences_[k];
         const Entry& e = entries_[static_cast<std::size_t>(ambiguity_[k] - leading)];
-        const double common = d.towards.dot(moved) + d.mapping * x[6], ionosphere = ionosphere_ ? d.factor * x[delay_[k]] : 0.0;
+        const double common = d.towards.dot(moved) + d.mapping * x[6],
+                     ionosphere = ionosphere_ ? d.factor * x[delay_[k]] : d.vertical_factor() * vertical_.value;
         SignalView v{d.id,
                      d.band,
                      d.elevation,

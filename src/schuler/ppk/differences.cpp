@@ -16,6 +16,8 @@ double shell_mapping(double elevation) {
     return 1.0 / std::sqrt(1.0 - at_shell * at_shell);
 }
 
+double Difference::vertical_factor() const { return factor * shell_mapping(elevation); }
+
 std::vector<Difference> single_differences(const TrackedEpoch& rover, const BaseEpoch& base, const BaseStation& station,
                                            const SignalPlan& plan, const Ecef& position, const Settings& settings,
                                            bool ionosphere_is_estimated) {
@@ -56,6 +58,7 @@ std::vector<Difference> single_differences(const TrackedEpoch& rover, const Base
                 left += square(d.factor * settings.left.ionosphere_gradient * baseline * shell_mapping(d.elevation));
             d.phase_variance = square(settings.phase_sigma) * (here + c.phase_factor * there) + left;
             constexpr double of_air = 0.25;  // neighbouring satellites are seen through the same air
+            d.left = left;
             d.repeated = of_air * left;
             d.code_variance = square(settings.code_sigma) * (here + c.code_factor * there) + left;
             // other tracking modes, and receivers on GLONASS's many carriers, have code delays that depend on the satellite

@@ -24,8 +24,12 @@ struct Difference {
     double wavelength = 0;
     double code = not_given, phase = not_given;
     double code_variance = 0, phase_variance = 0;  ///< m^2
+    double left = 0;                               ///< m^2, part of both that air, orbit and satellite clock leave
     double repeated = 0;                           ///< m^2, part of the phase variance common to neighbouring epochs
     int rover_arc = 0, base_arc = 0;
+
+    /// Of the vertical ionospheric delay on L1, common to all satellites.
+    [[nodiscard]] double vertical_factor() const;
 };
 
 /// System and carrier, within which ambiguities are integers relative to each other.

@@ -62,7 +62,8 @@ struct Settings {
     double acceleration = 10.0;  ///< m/s/sqrt(s), root of the power density of the vehicle's acceleration
     double false_alarm = 1e-6;   ///< of the test of an epoch's innovations
     Direction direction = Direction::Combined;
-    bool views = false;  ///< keep the status of each signal, EpochSolution::signals
+    bool ranges = false;  ///< Solution::ranges
+    bool views = false;   ///< keep the status of each signal, EpochSolution::signals
     IntegerSettings integers;
     BaseSettings base;
     ArcSettings arcs;

@@ -39,7 +39,10 @@ struct EpochSolution {
     int satellites = 0;  ///< common with the base, or of the single-point solution
     int ambiguities = 0, fixed = 0;
     double ratio = 0, success = 0;
-    double age = 0;                   ///< s to the base's epoch
+    double age = 0;                          ///< s to the base's epoch
+    double code_scale = 1, phase_scale = 1;  ///< on the assumed variances, as far as the log shows
+    double vertical_ionosphere = 0,
+           vertical_weight = 0;       ///< m on L1 by which the measurements were corrected, and its weight, 1/m^2
     int rejected = 0;                 ///< excluded codes, and ambiguities reset because their phases did not fit
     std::vector<SignalView> signals;  ///< empty unless Settings::views
 };

@@ -5,6 +5,7 @@
 #include "schuler/math/quantile.h"
 #include "schuler/ppk/baseline_filter.h"
 #include "schuler/ppk/combine.h"
+#include "schuler/ppk/differential_ranges.h"
 
 #include <fmt/format.h>
 
@@ -232,6 +233,7 @@ Solution solve(const Input& input, const Settings& settings, WarningLog& warning
                                 : fmt::format("has no satellite in common with {} at the same time", input.rover_name),
                          "is it the base's log of the same hours, tracking the same systems (gnss.systems)?");
     }
+    if (settings.ranges) out.ranges = differential_ranges(rover, station, plan, out.epochs, settings);
     if (out.base_sigma > 0.0)
         for (EpochSolution& e : out.epochs)
             if (e.quality == Quality::Fixed || e.quality == Quality::Float)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "schuler/core/log.h"
+#include "schuler/core/ranging.h"
 #include "schuler/ppk/arcs.h"
 #include "schuler/ppk/settings.h"
 #include "schuler/ppk/solution.h"
@@ -27,6 +28,7 @@ enum class PlaceOfBase { Given, Header, SinglePoint };
 
 struct Solution {
     std::vector<EpochSolution> epochs;
+    RangingLog ranges;  ///< Settings::ranges: relative to the base (differential_ranges.h)
     Ecef base;
     PlaceOfBase place = PlaceOfBase::Given;
     double base_sigma = 0;        ///< m, of the base position: 0 if given or from the header

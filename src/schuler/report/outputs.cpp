@@ -43,8 +43,9 @@ void make_folder(const std::filesystem::path& folder) {
 }
 
 void check_overwrite_of_outputs(const std::filesystem::path& folder) {
-    for (const char* name : {"solution.csv", "point.csv", "events.csv", "carrier.csv", "protection.csv", "receiver.csv",
-                             "states.csv", "run.h5", "run.mat", "report.html", "track.kml", "config.toml", "summary.json"})
+    for (const char* name :
+         {"solution.csv", "point.csv", "events.csv", "carrier.csv", "ambiguities.csv", "protection.csv", "receiver.csv",
+          "states.csv", "run.h5", "run.mat", "report.html", "track.kml", "config.toml", "summary.json"})
         io::check_overwrite(folder / name);
 }
 
@@ -65,6 +66,7 @@ std::vector<std::filesystem::path> write_outputs(solution::ResultBundle& b, cons
         io::write_events_csv(add("events.csv"), events.events, events.rows);
     }
     if (!b.data.carrier.epochs.empty()) write_text(add("carrier.csv"), carrier_csv(b.data.carrier));
+    if (!b.result.forward.carriers.empty()) write_text(add("ambiguities.csv"), ambiguities_csv(b));
     if (!b.result.forward.protection.empty()) write_text(add("protection.csv"), protection_csv(b));
     if (!b.result.cross_checks.empty()) write_text(add("receiver.csv"), receiver_csv(b));
     if (c.output.wants("states") && !b.solution().parameters.empty())

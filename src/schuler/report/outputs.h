@@ -19,6 +19,8 @@ void write_run_h5(const std::filesystem::path& file, const solution::ResultBundl
 
 /// protection.csv: protection levels and alarms of the tight filter, one row per epoch of ranges.
 [[nodiscard]] std::string protection_csv(const solution::ResultBundle& bundle);
+/// Of each epoch with carrier phases relative to a base.
+[[nodiscard]] std::string ambiguities_csv(const solution::ResultBundle& bundle);
 /// receiver.csv: the receiver's own filter of the intermediate coupling and its comparison with the tight one.
 [[nodiscard]] std::string receiver_csv(const solution::ResultBundle& bundle);
 

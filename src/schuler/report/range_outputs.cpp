@@ -17,6 +17,14 @@ std::string protection_csv(const solution::ResultBundle& b) {
     return text;
 }
 
+std::string ambiguities_csv(const solution::ResultBundle& b) {
+    std::string text = "time_s,phases,slipped,ambiguities,held,ratio,doubted\n";
+    for (const fusion::CarrierRow& r : b.result.forward.carriers)
+        text += fmt::format("{:.9f},{},{},{},{},{:.2f},{:d}\n", r.time.seconds(), r.phases, r.slipped, r.ambiguities, r.held,
+                            r.ratio, r.doubted);
+    return text;
+}
+
 std::string receiver_csv(const solution::ResultBundle& b) {
     std::string text =
         "time_s,lat_deg,lon_deg,height_m,vel_n_m_s,vel_e_m_s,vel_d_m_s,std_n_m,std_e_m,std_d_m,difference_n_m,difference_e_m,"

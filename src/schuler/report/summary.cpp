@@ -208,6 +208,21 @@ Json carrier_of(const solution::ResultBundle& b) {
             {"single", count(ppk::Quality::Single)}};
 }
 
+/// Carrier phases whose ambiguities are states of the filter; null if there are none.
+Json ambiguities_of(const solution::ResultBundle& b) {
+    const auto& rows = b.result.forward.carriers;
+    if (rows.empty()) return nullptr;
+    int phases = 0, slipped = 0, held = 0, doubted = 0;
+    for (const fusion::CarrierRow& r : rows)
+        phases += r.phases, slipped += r.slipped, held += r.held, doubted += r.doubted ? 1 : 0;
+    return {{"epochs", rows.size()},
+            {"with_integers", std::ranges::count_if(rows, [](const fusion::CarrierRow& r) { return r.held > 0; })},
+            {"phases", phases},
+            {"slipped", slipped},
+            {"doubted", doubted},
+            {"held", held}};
+}
+
 Json health_json(const solution::ResultBundle& b) {
     Json list = Json::array();
     for (const solution::HealthInterval& h : solution::health_of(b.data, b.result))
@@ -263,6 +278,7 @@ std::string summary_json(const solution::ResultBundle& b) {
     out["integrity"] = integrity_of(b);
     out["health"] = health_json(b);
     out["carrier"] = carrier_of(b);
+    out["ambiguities"] = ambiguities_of(b);
     out["facts"] = facts_json(b.facts);
     out["ignored"] = ignored_json(b.ignored);
     out["verdict"] = verdict_json(b.verdict);

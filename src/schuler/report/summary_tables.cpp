@@ -137,6 +137,13 @@ std::string summary_tables(const solution::ResultBundle& b) {
     }
     if (b.result.alerts.size() > most_lines)
         out += fmt::format("  and {} more (summary.json has them all)\n", b.result.alerts.size() - most_lines);
+    if (const auto& carriers = b.result.forward.carriers; !carriers.empty()) {
+        const auto whole = std::ranges::count_if(carriers, [](const fusion::CarrierRow& r) { return r.held > 0; });
+        int slipped = 0;
+        for (const fusion::CarrierRow& r : carriers) slipped += r.slipped;
+        out += fmt::format("\ncarrier phases relative to the base: {} epochs, {} with integers, {} slips found by the filter\n",
+                           carriers.size(), whole, slipped);
+    }
     const std::string consistency = consistency_table(e), separation = separation_table(e);
     if (!consistency.empty()) out += "\n" + consistency;
     if (!separation.empty()) out += "\n" + separation;

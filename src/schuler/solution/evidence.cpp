@@ -65,6 +65,7 @@ public:
         constexpr double many = 0.05;
         if (refused > many && !fusion::uses_ranges(b_.data.config.filter.coupling))
             add("gnss.refused", "{} of {} fixes were refused", n.gnss_rejected, met);
+        carrier_phases();
         longest_refusal();
         explained_refusals();
         refused_instruments();
@@ -89,6 +90,22 @@ public:
             add("gnss.jump", "the receiver's positions jumped {}, by {:.3g} m at most, without the IMU feeling it", times(jumps),
                 largest);
         if (lost > 0) add("navigation.lost", "the navigation was restarted {}: the fixes showed it to be wrong", times(lost));
+    }
+    /// Ambiguities as states: what contradicted them.
+    void carrier_phases() {
+        std::size_t phases = 0, slipped = 0, doubted = 0;
+        for (const fusion::CarrierRow& r : b_.result.forward.carriers) {
+            phases += static_cast<std::size_t>(r.phases);
+            slipped += static_cast<std::size_t>(r.slipped);
+            doubted += r.doubted ? 1 : 0;
+        }
+        constexpr std::size_t rare = 200;
+        if (rare * slipped > phases)
+            add("base.slips.many", "{} of {} carrier phases contradicted the others: are base.phase_std_m and imu.grade right?",
+                slipped, phases);
+        if (doubted > 0)
+            add("base.prediction", "the inertial prediction contradicted the carrier phases {}",
+                times(static_cast<int>(doubted)));
     }
     static std::string times(int n) { return n == 1 ? "once" : fmt::format("{} times", n); }
 

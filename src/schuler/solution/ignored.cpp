@@ -201,9 +201,11 @@ std::vector<Rule> sensor_rules(const ResultBundle& b) {
          b.data.carrier.epochs.empty() ? c.base.observations.empty() ? "no base station is given (base.observations)"
                                          : !c.gnss.file.empty()      ? "gnss.file gives the fixes"
                                                                      : "the coupling takes ranges instead of fixes"
-         : fusion::uses_ranges(f.coupling)
-             ? "the coupling takes pseudoranges and range rates; positions by the phases against the base serve the start and the self-check "
-               "alone, choose --scheme loose to use them"
+         : fusion::uses_ranges(f.coupling) && r.ranges.carriers.empty()
+             ? f.coupling == fusion::Coupling::Tight
+                   ? "the base's position is not known well enough, and its phases serve the start and the self-check alone: give base.position"
+                   : "the coupling takes pseudoranges and range rates; positions by the phases against the base serve the start and the "
+                     "self-check alone, --scheme tight or loose uses them"
              : ""},
         {{"gnss.undulation_m"},
          unless(b.data.logged_height == fusion::HeightKind::Msl, "the heights are not above mean sea level (gnss.height)")},

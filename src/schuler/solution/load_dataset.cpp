@@ -34,6 +34,7 @@ namespace fs = std::filesystem;
 dataset::Reading reading_of(const settings::Config& c) {
     dataset::Reading reading;
     reading.imu = c.scheme != settings::Scheme::Gnss;
+    reading.ranges = c.scheme == settings::Scheme::Tight;
     // body to sensor: the axes, then the mounting
     reading.C_bs = math::dcm_from_rpy(c.filter.imu.mounting_rpy) * c.filter.imu.C_bs;
     reading.C_imu_mag = settings::C_imu_mag(c);
@@ -112,14 +113,17 @@ void read_ranges(const fs::path& folder, LoadedDataset& out, WarningLog& warning
     RangingLog& log = out.recording.ranges;
     log = csv ? dataset::ranges_from_csv(folder, c, warnings) : read_raw_ranges(folder, out, warnings);
     const auto axis = dataset::own_axis(out.recording);
+    if (!csv) take_ranges_to_base(out, warnings);
     if (!csv && !log.empty() && axis) {
         const Duration shift =
             Duration::from_seconds(c.gnss.time_offset) + -dataset::axis_zero(c.time, log.epochs.front().time, *axis);
         for (RangeEpoch& e : log.epochs) e.time = e.time + shift;
+        log.to_gps = -shift;
     }
     if (out.recording.gnss.empty() && c.gnss.file.empty()) take_fixes_from_ranges(out);
     // On a real log nobody knows that every range is healthy.
-    const bool monitored = !log.empty() && uses_ranges(c.filter.coupling) && !out.given.contains("filter.protection.use");
+    const bool monitored =
+        !log.empty() && log.carriers.empty() && uses_ranges(c.filter.coupling) && !out.given.contains("filter.protection.use");
     if (monitored) c.filter.ranging.protection.use = true;
 }
 
@@ -291,6 +295,10 @@ LoadedDataset load_dataset(const settings::Dataset& dataset, const settings::Con
     out.config.filter.gnss.latency_found = std::ranges::none_of(
         out.given, [](const std::string& key) { return key.starts_with("gnss.") && key.ends_with("latency_s"); });
     assume_aid_errors(out.config);
+    // The inertial unit shows the slips of single phases, which a solution by satellites alone may miss. With a base the phases are
+    // measurements themselves. They are so exact that errors of second order in attitude and lever arm would tell the latter.
+    if (out.config.scheme == settings::Scheme::Tight && !out.given.contains("gnss.phase_velocity"))
+        out.config.raw.phase_velocity = out.config.base.observations.empty() && !out.config.filter.estimate_lever_arm;
     dataset::Reading reading = reading_of(out.config);
     reading.found = found_files(dataset);
     dataset::ReadFiles files = dataset::read_files(dataset.folder, out.config, reading, warnings);

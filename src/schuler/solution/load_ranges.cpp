@@ -1,17 +1,26 @@
 #include "schuler/solution/load_ranges.h"
 
 #include "schuler/dataset/ranges.h"
+#include "schuler/fusion/integer_search.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/settings/facts.h"
 
+#include <memory>
 #include <utility>
 
 namespace schuler::solution {
 
 RangingLog ranges_from_raw(const std::filesystem::path& folder, settings::Config& c, const std::set<std::string>& given,
                            WarningLog& warnings) {
-    dataset::RawRanges raw = dataset::ranges_from_raw(folder, c, warnings);
     fusion::RangingFilterSettings& f = c.filter.ranging;
+    const bool phases = c.scheme == settings::Scheme::Tight && c.raw.phase_velocity;
+    dataset::RawRanges raw = dataset::ranges_from_raw(folder, c, phases, warnings);
+    if (raw.phase_span > 0.0) {
+        constexpr double slow_rate = 0.005, slow_time = 600.0;  // m/s, s: what air and orbit models leave changes slowly
+        if (!given.contains("ranges.correlated_rate_m_s")) f.errors.satellite.correlated_rate = slow_rate;
+        if (!given.contains("ranges.correlated_rate_time_s")) f.errors.satellite.correlated_rate_time = slow_time;
+        if (!given.contains("ranges.rate_span_s")) f.errors.rate_span = raw.phase_span;
+    }
     f.ionosphere = raw.ionosphere;
     f.sigma_by_elevation = true;
     if (!given.contains("ranges.slow_by_model")) f.slow_by_model = !given.contains("ranges.correlated_m");
@@ -24,6 +33,36 @@ RangingLog ranges_from_raw(const std::filesystem::path& folder, settings::Config
     if (!given.contains("ranges.clock_std_m")) clock.bias = wander;
     if (!given.contains("ranges.drift_std_m_s")) clock.drift = off;
     return std::move(raw.log);
+}
+
+void take_ranges_to_base(LoadedDataset& data, WarningLog& warnings) {
+    settings::Config& c = data.config;
+    RangingLog& relative = data.carrier.ranges;
+    if (relative.empty()) return;
+    if (data.carrier.base_sigma > 0.0) {
+        warnings.add(
+            "base.tight",
+            "the ranges are not taken relative to the base, whose position is not known well enough: give base.position");
+        relative = {};
+        return;
+    }
+    if (c.filter.estimate_lever_arm) {
+        warnings.add(
+            "base.lever_arm",
+            "the ranges are not taken relative to the base, whose phases are too exact for a lever arm as a state: give gnss.lever_arm_m "
+            "and leave out filter.estimate_lever_arm");
+        relative = {};
+        return;
+    }
+    data.recording.ranges = dataset::with_own(std::exchange(relative, {}), data.recording.ranges);
+    fusion::RangingFilterSettings& f = c.filter.ranging;
+    f.phase_correlation = c.base.settings.phase_correlation;
+    if (c.base.settings.integers.use) f.integers = std::make_shared<fusion::PpkIntegerSearch>(c.base.settings.integers);
+    if (!f.protection.use) return;
+    f.protection.use = false;
+    warnings.add(
+        "base.protection",
+        "filter.protection watches pseudoranges: with the carrier phases of a base it is off, and their slips are found one by one");
 }
 
 void take_fixes_from_ranges(LoadedDataset& data) {

@@ -9,6 +9,9 @@
 
 namespace schuler::solution {
 
+/// Tight coupling with a base: the ranges become those relative to it, with carrier phases whose ambiguities are states.
+void take_ranges_to_base(LoadedDataset& data, WarningLog& warnings);
+
 /// The receiver's raw measurements as ranges corrected for satellite clocks, in GPS time; sets the corresponding corrections of
 /// the filter. `given`: keys whose values are kept.
 [[nodiscard]] RangingLog ranges_from_raw(const std::filesystem::path& folder, settings::Config& config,

@@ -33,6 +33,9 @@ constexpr std::array table{
     Row{"gnss.latency", Gravity::Care},          // not known well enough for the speed
     Row{"gnss.explained", Gravity::Care},        // by larger receiver errors than assumed
     Row{"gnss.alert", Gravity::Care},            // the receiver was considered faulty
+    Row{"base.position.off", Gravity::Care},     // the base contradicts its position
+    Row{"base.prediction", Gravity::Care},       // carrier phases: the inertial unit was knocked
+    Row{"base.slips.many", Gravity::Care},       // carrier phases: more slips than receivers have
     Row{"gnss.jump", Gravity::Care},             // its positions moved to another level
     Row{"ranges.fault", Gravity::Care},          // a satellite or station was found faulty and left out
     Row{"navigation.lost", Gravity::Care},       // attitude and biases were re-estimated

@@ -129,7 +129,8 @@ SCHULER_ARCHIVED(NavState, time, position, v, q)
 SCHULER_ARCHIVED(NavStateEcef, time, position, v, q)
 SCHULER_ARCHIVED(ImuSample, time, gyro, accel)
 SCHULER_ARCHIVED(ImuIncrement, time, dt, dtheta, dv)
-SCHULER_ARCHIVED(GnssFix, time, position, velocity, std_position, std_velocity, fix, satellites, position_age, velocity_age)
+SCHULER_ARCHIVED(GnssFix, time, position, velocity, std_position, std_velocity, fix, satellites, position_age, velocity_age,
+                 lasting)
 SCHULER_ARCHIVED(BaroSample, time, height, pressure)
 SCHULER_ARCHIVED(MagSample, time, field)
 SCHULER_ARCHIVED(OdometerSample, time, speed, std)
@@ -137,9 +138,9 @@ SCHULER_ARCHIVED(HeadingSample, time, heading, std)
 SCHULER_ARCHIVED(GaugeSample, time, height)
 SCHULER_ARCHIVED(BodyVelocitySample, time, velocity)
 SCHULER_ARCHIVED(RangeSource, name, station)
-SCHULER_ARCHIVED(RangeSample, source, range, rate, std, std_rate, phase_std, phase_span, phase_goes_on, cn0, tx, velocity, clock,
-                 clock_rate, frequency, variance, noise)
-SCHULER_ARCHIVED(RangeEpoch, time, first, count)
+SCHULER_ARCHIVED(RangeSample, source, range, rate, std, std_rate, phase_std, phase_span, doppler_rate, phase_goes_on, cn0, tx,
+                 velocity, clock, clock_rate, frequency, variance, noise, differential)
+SCHULER_ARCHIVED(RangeEpoch, time, first, count, first_carrier, carriers)
 SCHULER_ARCHIVED(SolutionRow, time, position, v, rpy, std_position, std_velocity, std_rpy)
 
 SCHULER_ARCHIVED(BridgeNoise, gyro, accel, standing)
@@ -197,7 +198,8 @@ inline void archive(Archive& a, RangeEpochWork& work) {  // the rest is recomput
     if (a.reads()) count = 0;
 }
 SCHULER_ARCHIVED(RangeTracking::Phase, source, last, end, begin, tx_end, tx_begin)
-SCHULER_ARCHIVED(RangeTracking, slots, phases, cloned, watch, work)
+SCHULER_ARCHIVED(RangeTracking::Ambiguity, source, carrier, arc, seen, used, jumped, trusted, held, integer)
+SCHULER_ARCHIVED(RangeTracking, slots, phases, ambiguities, same_integers, same_since, cloned_velocity, cloned, watch, work)
 SCHULER_ARCHIVED(Opening, increment, position, velocity, rate, span, bias_jump, part)
 inline void archive(Archive& a, RefusedRun& run) { run.archive(a); }
 SCHULER_ARCHIVED(FixLevels, two, at_other, other, here, there, unsure, used, anew, innovation, sigma, here_anew)

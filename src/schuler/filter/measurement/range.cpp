@@ -53,6 +53,7 @@ RangeRows range_rows(const AntennaEstimate& a, const Ecef& transmitter, const Ve
     const double slower = 1.0 - u_e.dot(vi_j) / speed_of_light;
     RangeRows m;
     m.range = range;
+    m.own_rate = u_e.dot(a.v_e);
     m.rate = u_e.dot(a.v_e + w.cross(a.r_e) - vi_j) / slower;
     const Matrix3d C_ne = a.C_en.transpose();
     const Vector3d u = C_ne * u_e;

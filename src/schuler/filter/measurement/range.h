@@ -33,9 +33,10 @@ struct AntennaEstimate {
 /// Computed values without clocks and delays, and their rows with respect to errors north, east, down (estimate minus truth). The
 /// change of the light time is neglected in the rows: 1e-6 of each entry.
 struct RangeRows {
-    double range = 0.0;   ///< m, including the Earth's rotation during the light time
-    double rate = 0.0;    ///< m/s, exact
-    Eigen::Vector3d u_n;  ///< unit vector from the transmitter to the antenna
+    double range = 0.0;     ///< m, including the Earth's rotation during the light time
+    double rate = 0.0;      ///< m/s, exact
+    double own_rate = 0.0;  ///< m/s, by the motion of the antenna alone: what a late reading of it changes
+    Eigen::Vector3d u_n;    ///< unit vector from the transmitter to the antenna
     Eigen::Vector3d range_by_position, range_by_attitude, range_by_lever_arm;
     Eigen::Vector3d rate_by_position, rate_by_velocity, rate_by_attitude, rate_by_gyro_bias, rate_by_lever_arm;
 };

@@ -57,13 +57,17 @@ public:
     int antenna = -1;           ///< 3, m, Earth-fixed: antenna position at the last epoch of carrier phases, a clone
     int phase = -1;             ///< two per tracked carrier, m: phase errors at the end and at the start of the last rate
     int phases = 0;             ///< number of carriers
-    int network = -1;           ///< 1, m, ground stations' common offset
-    int intersystem = -1;       ///< 3, m, GLONASS, Galileo, BeiDou relative to the GPS clock
-    int source_rate = -1;       ///< slots: slow error of a source's range rate, m/s; slot k belongs to the source of slot k below
-    int source = -1;            ///< slots: slow error of a source of ranges, m; the last block
-    int size = 0;               ///< total of all blocks
+    int carrier_clock = -1;     ///< 1, m, receiver clock of the carrier phases relative to that of the codes; reset at each epoch
+    int ambiguity = -1;         ///< `ambiguities`, m, of the phases of satellites and carriers as they come
+    int ambiguities = 0;
+    int network = -1;      ///< 1, m, ground stations' common offset
+    int intersystem = -1;  ///< 3, m, GLONASS, Galileo, BeiDou relative to the GPS clock
+    int source_rate = -1;  ///< slots: slow error of a source's range rate, m/s; slot k belongs to the source of slot k below
+    int source = -1;       ///< slots: slow error of a source of ranges, m; the last block
+    int size = 0;          ///< total of all blocks
 
     static constexpr int slots = 30;  ///< of the source blocks
+    static constexpr int most_ambiguities = 40;
 
     /// Position, velocity, attitude and the sensors' biases.
     Layout();

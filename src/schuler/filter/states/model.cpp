@@ -23,9 +23,15 @@ Sensors sensors_of(const Recording& recording) {
     for (const GaugeSample& s : recording.gauges)
         for (int i = gauges; i < 3; ++i)
             if (std::isfinite(s.height(i))) gauges = i + 1;
-    return {
-        !recording.baro.empty(),         !recording.mag.empty(), !recording.odometer.empty(), !recording.heading.empty(), gauges,
-        !recording.body_velocity.empty()};
+    return {!recording.baro.empty(),
+            !recording.mag.empty(),
+            !recording.odometer.empty(),
+            !recording.heading.empty(),
+            gauges,
+            !recording.body_velocity.empty(),
+            !recording.ranges.carriers.empty(),
+            std::ranges::any_of(recording.ranges.samples,
+                                [](const RangeSample& m) { return m.phase_span > 0.0 && !(m.std_rate > 0.0); })};
 }
 
 Layout layout_with(const Settings& settings, const Sensors& sensors) {
@@ -71,6 +77,16 @@ Layout layout_with(const Settings& settings, const Sensors& sensors) {
             if (L.phases > 0) {
                 L.antenna = L.add("antenna_at_last_phase", "m", 3);
                 L.phase = L.add("carrier_phase_error", "m", 2 * L.phases);
+            }
+        }
+        if (settings.coupling == Coupling::Tight && sensors.phase_rates && settings.ranging.use_rates)
+            L.antenna = L.add("antenna_at_last_phase", "m", 3);
+        if (settings.coupling == Coupling::Tight && sensors.carriers) {
+            const int after = 5 + (slow_rates ? 2 : 1) * Layout::slots;
+            L.ambiguities = std::clamp(estim::max_states - after - L.size, 0, Layout::most_ambiguities);
+            if (L.ambiguities > 0) {
+                L.carrier_clock = L.add("carrier_clock", "m", 1);
+                L.ambiguity = L.add("carrier_ambiguity", "m", L.ambiguities);
             }
         }
         L.network = L.add("station_network_offset", "m", 1);

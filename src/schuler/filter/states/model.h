@@ -33,6 +33,8 @@ struct Sensors {
     bool baro = false, mag = false, odometer = false, heading = false;
     int gauges = 0;  ///< number of gauges
     bool log = false;
+    bool carriers = false;     ///< carrier phases relative to a base station
+    bool phase_rates = false;  ///< range rates from the carrier phases of two epochs
 };
 [[nodiscard]] Sensors sensors_of(const Recording& recording);
 

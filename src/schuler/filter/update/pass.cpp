@@ -46,7 +46,8 @@ Pass<Frame>::Pass(const InertialModel& model, const RunData& data, const Setting
       openings_(std::move(openings)),
       range_test_(uses_ranges(settings.coupling) ? RangeTest(settings.aids.gate_probability, settings.aids.recovery_time)
                                                  : RangeTest{}),
-      update_with_ranges_(model, settings.ranging, settings.gnss.lever_arm_b, range_test_, data.backward) {
+      update_with_ranges_(model, settings.ranging, settings.gnss.lever_arm_b, range_test_, data.backward,
+                          settings.gnss.jitter.value_or(0.0)) {
     if (settings.ranging.protection.use) range_test_.watch = ProtectionLimits(settings.ranging.protection).test;
 }
 
@@ -227,6 +228,9 @@ void Pass<Frame>::process(FilterRun<Frame>& run, const RangeEpoch& epoch, Observ
         return;
     }
     observer.ranges(run, epoch);
+    if (model_.layout.ambiguity < 0 || epoch.carriers == 0 || run.ranges.work.withheld) return;
+    const CarrierUse use = update_with_ranges_.use_carriers(run.filter, run.ranges, log, epoch, listener);
+    observer.carriers(run, epoch, use);
 }
 
 template class Pass<GeographicFrame>;

@@ -181,6 +181,8 @@ struct PassObserver : RangeListener {
     virtual void alert(const Alert&) {}
     /// After the update with an epoch of ranges.
     virtual void ranges(const FilterRun<Frame>&, const RangeEpoch&) {}
+    /// After the update with its carrier phases.
+    virtual void carriers(const FilterRun<Frame>&, const RangeEpoch&, const CarrierUse&) {}
 };
 
 /// Runs a filter along the data.

@@ -61,9 +61,12 @@ typename RangeUpdate<Frame>::PhaseRate RangeUpdate<Frame>::phase_rate(const Iner
     Ecef from;
     if (phase != nullptr && phase->tx_begin.r.allFinite()) {
         from = phase->tx_begin;
-    } else {  // accurate to a micrometre over an interval of 0.2 s
+    } else {
+        // accurate to a micrometre over an interval of 0.2 s, to a tenth of a millimetre over a second; a transmitter that recedes sent
+        // the two phases closer together than they arrived
+        const double sent = span * (1.0 - now.rate / gnss::speed_of_light);
         const Vector3d acceleration = orbital_acceleration(model_.earth.ellipsoid, m.tx.r, m.tx_velocity);
-        from.r = m.tx.r - span * m.tx_velocity + 0.5 * span * span * acceleration;
+        from.r = m.tx.r - sent * m.tx_velocity + 0.5 * sent * sent * acceleration;
     }
     const int clone = model_.layout.antenna;
     AntennaEstimate begin = a;  // current axes
@@ -92,6 +95,7 @@ void RangeUpdate<Frame>::clone_antenna(InertialFilter<Frame>& f, RangeTracking& 
     tracking.watch.clone(L.antenna, rows, f.used);
     if (listener != nullptr) listener->cloned(L.antenna, rows);
     tracking.cloned = f.time();
+    tracking.cloned_velocity = a.v_e;
 }
 
 template bool RangeUpdate<GeographicFrame>::spans_phases(const InertialFilter<GeographicFrame>&, const RangeTracking&,

@@ -5,7 +5,7 @@ namespace schuler::filter {
 
 template <class Frame>
 int RangeUpdate<Frame>::slot_of(InertialFilter<Frame>& f, RangeTracking& tracking, int source, bool station, double sigma,
-                                RangeListener* listener) const {
+                                double time, RangeListener* listener) const {
     const sensor::RangeErrorModel& m = errors_of(station);
     const bool of_rate = has_slow_rate(station);
     if (!(m.correlated > 0.0) && !of_rate) return -1;
@@ -24,7 +24,7 @@ int RangeUpdate<Frame>::slot_of(InertialFilter<Frame>& f, RangeTracking& trackin
     tracking.watch.forget(tracking.slots[free].source);
     tracking.slots[free] = {source, station, f.time(), {}};
     renew(f, tracking, model_.layout.source + static_cast<int>(free), sigma * sigma, listener);
-    f.set_slot_process(free, StateProcess::markov(sigma, m.correlation_time));
+    f.set_slot_process(free, StateProcess::markov(sigma, time));
     if (model_.layout.source_rate >= 0)
         renew(f, tracking, model_.layout.source_rate + static_cast<int>(free),
               of_rate ? m.correlated_rate * m.correlated_rate : 0.0, listener);
@@ -39,9 +39,9 @@ void RangeUpdate<Frame>::renew(InertialFilter<Frame>& f, RangeTracking& tracking
     if (listener != nullptr) listener->renewed(state);
 }
 
-template int RangeUpdate<GeographicFrame>::slot_of(InertialFilter<GeographicFrame>&, RangeTracking&, int, bool, double,
+template int RangeUpdate<GeographicFrame>::slot_of(InertialFilter<GeographicFrame>&, RangeTracking&, int, bool, double, double,
                                                    RangeListener*) const;
-template int RangeUpdate<EarthFixedFrame>::slot_of(InertialFilter<EarthFixedFrame>&, RangeTracking&, int, bool, double,
+template int RangeUpdate<EarthFixedFrame>::slot_of(InertialFilter<EarthFixedFrame>&, RangeTracking&, int, bool, double, double,
                                                    RangeListener*) const;
 template void RangeUpdate<GeographicFrame>::renew(InertialFilter<GeographicFrame>&, RangeTracking&, int, double,
                                                   RangeListener*) const;

@@ -69,7 +69,7 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
     const Layout& L = model_.layout;
     const earth::Earth& earth = model_.earth;
     const double way = backward_ ? -1.0 : 1.0;  // direction of the filter's time in that of the ranges
-    const Time time = backward_ ? Time{-f.time().ns} : f.time();
+    const Time time = (backward_ ? Time{-f.time().ns} : f.time()) + log.to_gps;
     const auto nominal = [&](int i) { return f.parameters(i) - f.error(i) - dx(i); };  // states are renewed below
     const NavState nav = Frame::geographic(earth, Frame::corrected(earth, f.estimated(model_), dx.head<9>()));
     const AntennaEstimate a = antenna(f, dx, way);
@@ -88,7 +88,7 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
         const Vector3d velocity = m.tx_velocity.allFinite() ? m.tx_velocity : Vector3d(Vector3d::Zero());
         const RangeRows now = range_rows(a, m.tx, velocity);
         // u points down to the receiver: a signal from above has a positive down component
-        const bool delayed = air && !source.station;
+        const bool delayed = air && !source.station && !m.differential;
         const gnss::Direction direction{delayed ? std::atan2(-now.u_n.y(), -now.u_n.x()) : 0.0,
                                         std::asin(std::clamp(now.u_n.z(), -1.0, 1.0))};
         if (!source.station && direction.elevation < settings_.corrections.elevation_mask) continue;
@@ -105,7 +105,14 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
             by_model ? settings_.corrections.code_sigma * m.noise * gnss::noise_factor(direction.elevation, m.cn0) : 0.0;
         const double slow_sigma =
             by_model ? std::sqrt(air_delay.variance + m.variance + reflections * reflections) : errors.correlated;
-        const int assigned = slot_of(f, tracking, m.source, source.station, slow_sigma, listener),
+        // reflections change within a minute, air and orbits in ten: one state that changes as the sum of both
+        constexpr double reflections_time = 60.0;  // s
+        const double slow_time = by_model && reflections > 0.0
+                                     ? slow_sigma * slow_sigma /
+                                           ((slow_sigma * slow_sigma - reflections * reflections) / errors.correlation_time +
+                                            reflections * reflections / reflections_time)
+                                     : errors.correlation_time;
+        const int assigned = slot_of(f, tracking, m.source, source.station, slow_sigma, slow_time, listener),
                   offset = intersystem_of(source);
         if (assigned >= 0) tracking.slots[static_cast<std::size_t>(assigned)].last = f.time();
         const int slot = assigned >= 0 && errors.correlated > 0.0 ? L.source + assigned : -1;
@@ -117,6 +124,7 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
             s.station = source.station;
             s.is_rate = is_rate;
             s.use = true;
+            s.phase_change = false;
             s.slot = slot;
             s.distance = now.range;
             s.sequential = 0.0;
@@ -133,8 +141,10 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
                 delay = gnss::ground_range_delay(earth::geodetic_from_ecef(earth.ellipsoid, m.tx), a.place, now.range);
             }
             RangeScalar& s = next(false);
-            // measured when the receiver's clock showed the tag, that is, bias/c later
-            const double computed = now.range - now.rate * clock / speed_of_light + clock - speed_of_light * m.tx_clock + delay +
+            // Measured when the receiver's clock showed the tag, that is, bias/c earlier, at another place. The transmitter's is that of
+            // the transmission, whatever the clock.
+            const double computed = now.range - now.own_rate * clock / speed_of_light + clock - speed_of_light * m.tx_clock +
+                                    delay +
                                     (source.station ? nominal(L.network)
                                      : offset >= 0  ? nominal(L.intersystem + offset)
                                                     : 0.0) +
@@ -143,19 +153,27 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
             s.variance = sigma * sigma + more;
             navigation(s.row, now.range_by_position, Vector3d::Zero(), now.range_by_attitude);
             if (L.lever_arm >= 0) s.row.add3(L.lever_arm, now.range_by_lever_arm);
-            s.row.add(L.clock, 1.0 - now.rate / speed_of_light);
+            s.row.add(L.clock, 1.0 - now.own_rate / speed_of_light);
             if (source.station) s.row.add(L.network, 1.0);
             else if (offset >= 0) s.row.add(L.intersystem + offset, 1.0);
             if (slot >= 0) s.row.add(slot, 1.0);
             s.innovation = computed - m.pseudorange + s.row.dot(dx);
         }
-        if (settings_.use_rates && std::isfinite(m.range_rate) && (m.tx_velocity.allFinite() || source.station)) {
-            const bool by_phase = m.phase_span > 0.0;
-            if (by_phase && !spans_phases(f, tracking, m)) continue;
+        const bool by_phase = m.phase_span > 0.0 && spans_phases(f, tracking, m);
+        const double measured = m.phase_span > 0.0 && !by_phase ? m.doppler_rate : m.range_rate;
+        if (settings_.use_rates && std::isfinite(measured) && (m.tx_velocity.allFinite() || source.station)) {
             const RangeTracking::Phase* phase = by_phase ? phase_of(f, tracking, m, listener) : nullptr;
             RangeScalar& s = next(true);
-            const double sigma = sigma_of(m.std_rate, errors.rate, source.station, direction.elevation, m.cn0);
+            const bool of_log = by_phase && !(m.std_rate > 0.0);
+            const double sigma = of_log
+                                     ? settings_.phase_change_std / m.phase_span * gnss::noise_factor(direction.elevation, m.cn0)
+                                     : sigma_of(m.std_rate, errors.rate, source.station, direction.elevation, m.cn0);
             s.variance = sigma * sigma;
+            s.phase_change = of_log;
+            if (of_log) {  // an epoch whose stamp is late by the IMU's clock is elsewhere on the path
+                const Vector3d turned = (a.v_e - tracking.cloned_velocity) / m.phase_span * timing_std_;
+                s.variance += std::pow((a.C_en * now.u_n).dot(turned), 2);
+            }
             double rate = now.rate, of_phase = 0.0;
             if (by_phase) {
                 const PhaseRate r = phase_rate(f, a, now, m, phase, dx);
@@ -188,8 +206,7 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
             } else if (has_slow_rate(source.station)) {
                 s.variance += errors.correlated_rate * errors.correlated_rate;  // no slot is free
             }
-            s.innovation =
-                rate + drift + common + of_phase + slow - speed_of_light * m.tx_clock_rate - m.range_rate + s.row.dot(dx);
+            s.innovation = rate + drift + common + of_phase + slow - speed_of_light * m.tx_clock_rate - measured + s.row.dot(dx);
         }
     }
 }
@@ -332,7 +349,9 @@ void RangeUpdate<Frame>::follow_faults(InertialFilter<Frame>& f, RangeTracking& 
     for (const RangeScalar& s : tracking.work.all()) {
         if (!s.use) continue;
         if (!s.is_rate) tracking.watch.begin(s.source, f.time(), f.P.rows());
-        scalars[n++] = {&s.row, s.innovation, s.variance, s.source, s.is_rate};
+        // The changes of phases are known so well that their small lasting errors would be evidence of faults, and a wrong pseudorange
+        // does not show in them: they belong to no source.
+        scalars[n++] = {&s.row, s.innovation, s.variance, s.phase_change ? -1 : s.source, s.is_rate};
     }
     tracking.watch.follow(f.P, std::span(scalars).first(n), f.time(), f.used);
     tracking.watch.weigh();
@@ -354,7 +373,8 @@ void RangeUpdate<Frame>::leave_out(InertialFilter<Frame>& f, RangeTracking& trac
         RangeTracking::Slot& slot = tracking.slots[k];
         if (slot.source != source) continue;
         slot.doubted.reset();
-        const double time = errors_of(slot.station).correlation_time, variance = 0.5 * f.slot_process[k].psd * time;
+        const double decay = f.slot_process[k].decay, time = decay > 0.0 ? 1.0 / decay : errors_of(slot.station).correlation_time,
+                     variance = 0.5 * f.slot_process[k].psd * time;
         renew(f, tracking, model_.layout.source + static_cast<int>(k), variance, listener);
         f.set_slot_process(k, StateProcess::markov(std::sqrt(variance), time));
         if (has_slow_rate(slot.station)) {
@@ -458,7 +478,7 @@ int RangeUpdate<Frame>::operator()(InertialFilter<Frame>& f, RangeTracking& trac
     const int doubted = doubt_sources(f, tracking);
     doubt_the_estimate(f, tracking);
     f.apply(model_, dx);
-    if (std::ranges::any_of(samples, [](const RangeSample& m) { return m.phase_span > 0.0; }))
+    if (model_.layout.phase < 0 || std::ranges::any_of(samples, [](const RangeSample& m) { return m.phase_span > 0.0; }))
         clone_antenna(f, tracking, listener);
     work.alarm = doubted;
     if (tracking.watch.on && doubted < 0)

@@ -7,8 +7,11 @@
 #include "schuler/filter/ranging_settings.h"
 #include "schuler/filter/states/inertial_filter.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 
@@ -30,13 +33,14 @@ struct RangeTest {
 struct RangeScalar {
     int source = 0;  ///< index into RangingLog::sources
     bool station = false, is_rate = false, use = true;
-    int slot = -1;            ///< state of the slow error of the source's range
-    double innovation = 0.0;  ///< computed minus measured, m or m/s
-    double variance = 1.0;    ///< of its white noise
-    double distance = 0.0;    ///< m
-    double sequential = 0.0;  ///< normalised innovation after the preceding ones of the epoch; white in the absence of faults
-    double s = 1.0;           ///< variance of that innovation
-    estim::Row row;           ///< in the filter's own errors
+    bool phase_change = false;  ///< a rate from the phases of a log
+    int slot = -1;              ///< state of the slow error of the source's range
+    double innovation = 0.0;    ///< computed minus measured, m or m/s
+    double variance = 1.0;      ///< of its white noise
+    double distance = 0.0;      ///< m
+    double sequential = 0.0;    ///< normalised innovation after the preceding ones of the epoch; white in the absence of faults
+    double s = 1.0;             ///< variance of that innovation
+    estim::Row row;             ///< in the filter's own errors
 };
 
 /// Memory for one epoch, kept between epochs to avoid allocation.
@@ -73,9 +77,35 @@ struct RangeTracking {
         Ecef tx_end{}, tx_begin{};  ///< the transmitter at those times; not finite: unknown
     };
     std::array<Phase, 12> phases{};
+    /// A state of the layout's ambiguities.
+    struct Ambiguity {
+        int source = -1;  ///< index into RangingLog::sources; -1: free
+        std::uint8_t carrier = 0;
+        int arc = 0;
+        Time seen{};
+        std::optional<Time> used{};                                 ///< of its last phase in the filter
+        bool jumped = false;                                        ///< begun by a phase that did not fit: perhaps half cycles
+        bool trusted = false;                                       ///< among the integers last found
+        bool held = false;                                          ///< the filter has been told its integer
+        double integer = std::numeric_limits<double>::quiet_NaN();  ///< m, last found: differences within a group matter
+    };
+    std::array<Ambiguity, Layout::most_ambiguities> ambiguities{};
+    int same_integers = 0;  ///< epochs in a row with the same integers
+    Time same_since{};
+    Eigen::Vector3d cloned_velocity = Eigen::Vector3d::Zero();  ///< m/s, Earth-fixed, of the antenna then
     std::optional<Time> cloned{};  ///< time at which the antenna was in the position of the layout's antenna block
     FaultWatch watch;
     RangeEpochWork work;
+};
+
+/// What became of an epoch's carrier phases.
+struct CarrierUse {
+    int phases = 0;      ///< used
+    int slipped = 0;     ///< whose ambiguity began anew
+    int doubted = 0;     ///< 1: the prediction contradicted most of them and was opened
+    int whole = 0;       ///< ambiguities of them that may be integers
+    int held = 0;        ///< of which the filter knows the integer
+    double ratio = 0.0;  ///< of the last search; 0: none
 };
 
 /// Observer of an update with ranges, for stepping back over it later.
@@ -96,9 +126,15 @@ struct RangeListener {
 template <class Frame>
 class RangeUpdate {
 public:
+    /// `jitter`: s, of the time of fixes by the clock of the IMU, if known to be more than settings.timing_std.
     RangeUpdate(const InertialModel& model, const RangingFilterSettings& settings, const Eigen::Vector3d& lever_arm_b,
-                const RangeTest& test, bool backward = false)
-        : model_(model), settings_(settings), lever_arm_b_(lever_arm_b), test_(test), backward_(backward) {}
+                const RangeTest& test, bool backward = false, double jitter = 0.0)
+        : model_(model),
+          settings_(settings),
+          lever_arm_b_(lever_arm_b),
+          test_(test),
+          backward_(backward),
+          timing_std_(std::max(settings.timing_std, jitter)) {}
 
     /// Fraction of the variance of a phase-derived rate not shared with the phases at its ends: a measurement without its own noise
     /// would make the covariance singular. A larger value would represent a random walk between the phases, which does not exist.
@@ -113,17 +149,36 @@ public:
     int operator()(InertialFilter<Frame>& filter, RangeTracking& tracking, const RangingLog& log,
                    std::span<const RangeSample> samples, RangeListener* listener) const;
 
+    /// Carrier phases relative to a base, of an epoch whose ranges have been used: their ambiguities are states. A phase that
+    /// contradicts the others and the prediction has slipped, and its ambiguity begins anew. Integers that are found several times in a
+    /// row are told to the filter. The scalars of the epoch are then those of the phases.
+    CarrierUse use_carriers(InertialFilter<Frame>& filter, RangeTracking& tracking, const RangingLog& log,
+                            const RangeEpoch& epoch, RangeListener* listener) const;
+
     /// Fills the scalars of an epoch for an estimate: that of `filter` corrected by `dx`. Rows refer to the current errors of the
     /// filter, so that innovation = row . error + noise to first order about the corrected estimate (an iterated update).
     void make_scalars(InertialFilter<Frame>& filter, RangeTracking& tracking, const RangingLog& log,
                       std::span<const RangeSample> samples, const StateVector& dx, RangeListener* listener) const;
 
     /// Slot of a source's slow errors, assigned if it has none: -1 if its kind has no slow error or all slots are in use.
-    /// `sigma`: of that of its range, m.
+    /// `sigma`, `time`: of that of its range, m, and the time within which it changes, s.
     [[nodiscard]] int slot_of(InertialFilter<Frame>& filter, RangeTracking& tracking, int source, bool station, double sigma,
-                              RangeListener* listener) const;
+                              double time, RangeListener* listener) const;
 
 private:
+    /// State of an ambiguity, assigned if it has none; -1: all are in use.
+    [[nodiscard]] int ambiguity_of(InertialFilter<Frame>& filter, RangeTracking& tracking, const CarrierSample& sample,
+                                   RangeListener* listener) const;
+    void begin_ambiguity(InertialFilter<Frame>& filter, RangeTracking& tracking, int which, double more,
+                         RangeListener* listener) const;
+    /// Fills the scalars with phases; RangeScalar::slot is the number of the ambiguity.
+    void make_carriers(const InertialFilter<Frame>& filter, RangeTracking& tracking, const RangingLog& log,
+                       const RangeEpoch& epoch, const std::array<int, RangeEpochWork::most>& assigned) const;
+    [[nodiscard]] int misfits(const InertialFilter<Frame>& filter, RangeEpochWork& work) const;
+    void doubt_prediction(InertialFilter<Frame>& filter, const RangeTracking& tracking, const RangeEpochWork& work) const;
+    /// Searches integers and tells them to the filter.
+    void find_integers(InertialFilter<Frame>& filter, RangeTracking& tracking, const RangingLog& log, const RangeEpoch& epoch,
+                       RangeListener* listener, CarrierUse& use) const;
     [[nodiscard]] const sensor::RangeErrorModel& errors_of(bool station) const {
         return station ? settings_.errors.station : settings_.errors.satellite;
     }
@@ -170,6 +225,7 @@ private:
     const Eigen::Vector3d& lever_arm_b_;
     const RangeTest& test_;
     bool backward_;
+    double timing_std_;
 };
 
 }  // namespace schuler::filter

@@ -70,7 +70,8 @@ void add_raw_gnss_options(OptionTable<Config>& table) {
                             ranges(&gnss::RangeSettings::doppler_sigma)))
         .add(flag<Config>(
             "gnss.phase_velocity",
-            "velocity of raw measurements from the carrier phases of two epochs instead of the Doppler; half an interval old",
+            "velocity (tight coupling: range rates) of raw measurements from the carrier phases of two epochs instead of the Doppler; "
+            "default: on in tight coupling without a base",
             [](auto& c) -> auto& { return c.raw.phase_velocity; }))
         .add(flag<Config>("gnss.raim", "test the residuals of raw measurements and leave out faulty satellites",
                           [](auto& c) -> auto& { return c.raw.solver.raim; }))
