@@ -1,5 +1,7 @@
 #include "schuler/filter/states/heading_force.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 
