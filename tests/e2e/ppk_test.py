@@ -207,19 +207,17 @@ def ppk_tight(program, source):
                         any(abs(x) > 3.0 * float(row[std]) for x, std in zip(off, ("std_n_m", "std_e_m", "std_d_m")))))
         return out
 
-    smoothed = errors("out/solution.csv")
-    inside = [e for t, e, _ in smoothed if any(start < t < start + 20.0 for start in outages)]
-    rest = [e for t, e, _ in smoothed if t > 10.0 and not any(start < t < start + 23.0 for start in outages)]
-    print(f"tight, smoothed: {1e3 * max(inside):.0f} mm in outages, else {1e3 * max(rest):.1f} mm")
-    check(max(inside) < 0.1 and max(rest) < 0.015, f"{max(inside)}, {max(rest)} m")
-    check(sum(out for _, _, out in smoothed) < 0.01 * len(smoothed), "smoothed within three sigma")
+    def judge(file, in_hole, elsewhere):
+        all_errors = errors(file)
+        inside = [e for t, e, _ in all_errors if any(start < t < start + 20.0 for start in outages)]
+        rest = [e for t, e, _ in all_errors if t > 10.0 and not any(start < t < start + 23.0 for start in outages)]
+        print(f"{file}: {1e3 * max(inside):.0f} mm in outages, else {1e3 * max(rest):.1f} mm")
+        check(max(inside) < in_hole and max(rest) < elsewhere, f"{file}: {max(inside)}, {max(rest)} m")
+        check(sum(out for _, _, out in all_errors) < 0.01 * len(all_errors), f"{file}: within three sigma")
+
+    judge("out/solution.csv", 0.1, 0.015)
     program("process", name, "-o", "forward", "--self-check", "off", *(word for start in outages for word in ("--outage", f"{start:.0f}:20")))
-    forward = errors("forward/solution.csv")
-    inside = [e for t, e, _ in forward if any(start < t < start + 20.0 for start in outages)]
-    rest = [e for t, e, _ in forward if t > 10.0 and not any(start < t < start + 23.0 for start in outages)]
-    print(f"tight, forward: {max(inside):.2f} m in outages, else {1e3 * max(rest):.1f} mm")
-    check(max(inside) < 1.0 and max(rest) < 0.03, f"{max(inside)}, {max(rest)} m")
-    check(sum(out for _, _, out in forward) < 0.01 * len(forward), "forward within three sigma")
+    judge("forward/solution.csv", 1.0, 0.03)
     phases = rows_of(folder / "forward/ambiguities.csv")
     first = next(float(row["time_s"]) - began for row in phases if int(row["held"]) > 0)
     check(first < 10.0, f"integers from {first} s on")

@@ -46,6 +46,14 @@ protected:
         input.single = single;
         return solve(input, settings, warnings);
     }
+    /// Both receivers under the models' troposphere, solved with them and a mean day's ionosphere (without coefficients).
+    void put_under_air() {
+        rover.air = base.air = true;
+        settings.air.troposphere = true;
+        single.ranges.troposphere = gnss::TroposphereModel::Saastamoinen;
+        single.ranges.ionosphere = gnss::IonosphereModel::Broadcast;
+        settings.air.ionosphere = gnss::BroadcastIonosphere{};
+    }
     Errors errors(const Solution& s, double from = 0) { return errors_of(s, rover.place, from); }
     /// Every observation of a satellite's carrier in a log from so many seconds on.
     static void each(gnss::ObservationLog& log, double from, const std::function<void(gnss::SignalObservation&)>& change) {
@@ -230,12 +238,8 @@ TEST_F(MadeUp, LongBaselineUnderADisturbedIonosphere) {
         return test::place_from(origin, 20e3 + 40.0 * std::cos(a), 15e3 + 40.0 * std::sin(a), 400.0);
     };
     rover.place = far;
-    rover.air = base.air = true;
+    put_under_air();
     rover.zenith_delay = 0.01;
-    settings.air.troposphere = true;
-    single.ranges.troposphere = gnss::TroposphereModel::Saastamoinen;
-    single.ranges.ionosphere = gnss::IonosphereModel::Broadcast;
-    settings.air.ionosphere = gnss::BroadcastIonosphere{};  // without coefficients: a mean day
     for (const std::size_t frequencies : {2U, 1U}) {
         settings.frequencies = frequencies;
         std::size_t outside = 0, epochs = 0, wrong = 0, fixed = 0;
@@ -267,11 +271,7 @@ TEST_F(MadeUp, AStormOfTheIonosphereOverTwoKilometres) {
         const double a = (t - start).seconds() / 8.0;
         return test::place_from(origin, 1600.0 + 40.0 * std::cos(a), 1200.0 + 40.0 * std::sin(a), 20.0);
     };
-    rover.air = base.air = true;
-    settings.air.troposphere = true;
-    single.ranges.troposphere = gnss::TroposphereModel::Saastamoinen;
-    single.ranges.ionosphere = gnss::IonosphereModel::Broadcast;
-    settings.air.ionosphere = gnss::BroadcastIonosphere{};
+    put_under_air();
     settings.frequencies = 2;
     for (const double vertical : {0.0, 0.02, 0.05, 0.1}) {
         std::size_t outside = 0, epochs = 0, fixed = 0;

@@ -50,7 +50,7 @@ struct RangeSample {
 /// Carrier phase of a source at one epoch, less that of a base station and less the air's delay: its pseudorange with an ambiguity.
 struct CarrierSample {
     std::uint16_t source = 0;  ///< index into RangingLog::sources; its sample at the same epoch has the transmitter
-    std::uint8_t carrier = 0;  ///< number of the carrier, of at most `most`
+    std::uint8_t carrier = 0;  ///< number of the carrier, below 8
     int arc = 0;               ///< unchanged while the count of cycles goes on at both receivers
     double phase = 0.0;        ///< m
     double wavelength = 0.0;   ///< m
@@ -59,8 +59,6 @@ struct CarrierSample {
     double elevation = 0.0;  ///< rad
     double variance = 0.0;   ///< m^2, of a single phase
     double repeated = 0.0;   ///< m^2, the part of it that many epochs have in common
-
-    static constexpr std::size_t most = 3;
 };
 
 /// One epoch: a contiguous range of samples.

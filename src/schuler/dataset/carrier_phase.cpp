@@ -90,10 +90,7 @@ void weigh_float(std::vector<GnssFix>& fixes, double correlation) {
     const GnssFix* before = nullptr;
     for (GnssFix& fix : fixes) {
         if (fix.fix != FixType::RtkFloat) continue;
-        if (before != nullptr && correlation > 0.0) {
-            const double rho = std::exp(-(fix.time - before->time).seconds() / correlation);
-            fix.lasting = (1.0 + rho) / std::max(1.0 - rho, 1e-3);
-        }
+        if (before != nullptr) fix.lasting = ppk::lasting((fix.time - before->time).seconds(), correlation);
         before = &fix;
     }
 }

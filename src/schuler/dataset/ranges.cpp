@@ -173,7 +173,7 @@ RawRanges ranges_from_raw(const fs::path& folder, const Description& d, bool pha
                 m.frequency = r.frequency;
                 m.variance = r.variance;
                 m.noise = r.noise;
-                if (const auto phase = phases.next(r); phase && phase_rates) {
+                if (const auto phase = phase_rates ? phases.next(r) : std::nullopt) {
                     m.doppler_rate = std::exchange(m.range_rate, phase->rate);
                     m.phase_span = phase->span;
                     spans.push_back(phase->span);

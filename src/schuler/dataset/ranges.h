@@ -20,13 +20,14 @@ namespace schuler::dataset {
 [[nodiscard]] RangingLog ranges_from_csv(const std::filesystem::path& folder, const Description& description,
                                          WarningLog& warnings);
 
-/// A receiver's raw measurements as ranges, with `phase_rates` from the carrier phases of two epochs where the count of cycles goes on and
-/// does not contradict the Doppler (it is not a slip or a step of the clock by much); corrected for satellite clocks, in GPS time, with the broadcast ionosphere.
+/// A receiver's raw measurements as ranges corrected for satellite clocks, in GPS time, with the broadcast ionosphere.
 struct RawRanges {
     RangingLog log;
     gnss::BroadcastIonosphere ionosphere;
     double phase_span = 0.0;  ///< s, usual interval of the range rates from phases; 0: none
 };
+/// `phase_rates`: range rates are the changes of the carrier phases since the epoch before where the count of cycles goes on and
+/// does not contradict the Doppler by much.
 [[nodiscard]] RawRanges ranges_from_raw(const std::filesystem::path& folder, const Description& description, bool phase_rates,
                                         WarningLog& warnings);
 

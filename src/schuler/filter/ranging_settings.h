@@ -32,6 +32,7 @@ struct RangingFilterSettings {
     ProtectionSettings protection;
     double phase_change_std = 0.005;  ///< m, of the change of a satellite's carrier phase between two epochs, at the zenith
     double timing_std = 0.005;        ///< s, of the time of the ranges by the clock of the IMU, from epoch to epoch
+    double code_correlation = 60.0;   ///< s, slow_by_model: of reflections in a satellite's codes
     double phase_correlation = 30.0;  ///< s: of successive carrier phases of a satellite
     double ambiguity_walk = 2e-4;     ///< m/sqrt(s), keeps ambiguities from becoming overconfident
     std::shared_ptr<const IntegerSearch> integers;  ///< null: ambiguities remain real-valued

@@ -15,7 +15,8 @@ void PpkIntegerSearch::search(std::span<const filter::FloatAmbiguity> floats, co
     for (Eigen::Index i = 0; i < n; ++i) {
         const filter::FloatAmbiguity& a = floats[static_cast<std::size_t>(i)];
         // the satellite's name only tells the satellites of several carriers apart
-        const gnss::SatelliteId id{gnss::System::Gps, static_cast<std::uint8_t>(a.source)};
+        constexpr int numbers = static_cast<int>(gnss::numbers_per_system);
+        const gnss::SatelliteId id{static_cast<gnss::System>(a.source / numbers), static_cast<std::uint8_t>(a.source % numbers)};
         whole.push_back({id, a.group, i, a.wavelength, a.halves, a.elevation, a.repeated, a.trusted});
     }
     const ppk::IntegerTrial trial = ppk::fix_integers(value, P, whole, n, settings_);

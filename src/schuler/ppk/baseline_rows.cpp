@@ -10,17 +10,12 @@
 #include <utility>
 
 namespace schuler::ppk {
-namespace {
 
-/// Multipath correlates a satellite's measurement errors for a while. Of n with a first-order Gauss-Markov error the first gives
-/// one unit of information about a constant and each further one (1 - rho) / (1 + rho) [Brown2012]: the factor on a variance.
 double lasting(double apart, double correlation) {
     if (!(correlation > 0.0)) return 1.0;
     const double rho = std::exp(-std::abs(apart) / correlation);
     return (1.0 + rho) / std::max(1.0 - rho, 1e-3);
 }
-
-}  // namespace
 
 double BaselineFilter::lasting_code(const Difference& d, Time tag) const {
     const auto last = code_.find({d.id, d.slot});

@@ -28,6 +28,11 @@ struct BaseSettings {
         1.5e-3;  ///< m/sqrt(s), of a satellite's clock about its broadcast polynomial: 5e-12 of white frequency noise
 };
 
+/// Multipath correlates a satellite's measurement errors for a while. Of many, `apart` seconds from each other, with a first-order
+/// Gauss-Markov error the first gives one unit of information about a constant and each further one (1 - rho) / (1 + rho) [Brown2012]:
+/// the factor on a variance. 1 without a correlation time.
+[[nodiscard]] double lasting(double apart, double correlation);
+
 enum class Motion { Kinematic, Static };
 enum class Direction { Forward, Backward, Combined };
 

@@ -56,6 +56,7 @@ void take_ranges_to_base(LoadedDataset& data, WarningLog& warnings) {
     }
     data.recording.ranges = dataset::with_own(std::exchange(relative, {}), data.recording.ranges);
     fusion::RangingFilterSettings& f = c.filter.ranging;
+    f.code_correlation = c.base.settings.code_correlation;
     f.phase_correlation = c.base.settings.phase_correlation;
     if (c.base.settings.integers.use) f.integers = std::make_shared<fusion::PpkIntegerSearch>(c.base.settings.integers);
     if (!f.protection.use) return;

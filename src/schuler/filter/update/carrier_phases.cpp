@@ -200,13 +200,17 @@ int RangeUpdate<Frame>::misfits(const InertialFilter<Frame>& f, RangeEpochWork& 
 template <class Frame>
 void RangeUpdate<Frame>::doubt_prediction(InertialFilter<Frame>& f, const RangeTracking& tracking,
                                           const RangeEpochWork& work) const {
-    double mean = 0.0, size = 0.0, since = std::numeric_limits<double>::infinity();
-    for (const RangeScalar& s : work.all()) mean += s.innovation / static_cast<double>(work.count);
+    double sum = 0.0, count = 0.0, size = 0.0, since = std::numeric_limits<double>::infinity();
+    const auto known = [&](const RangeScalar& s) {  // one that has just begun says nothing
+        return tracking.ambiguities[static_cast<std::size_t>(s.slot)].used;
+    };
+    for (const RangeScalar& s : work.all())
+        if (known(s)) sum += s.innovation, count += 1.0;
     for (const RangeScalar& s : work.all()) {
-        const Ambiguity& a = tracking.ambiguities[static_cast<std::size_t>(s.slot)];
-        if (!a.used) continue;  // one that has just begun says nothing
-        size = std::max(size, std::abs(s.innovation - mean));
-        since = std::min(since, std::abs((f.time() - *a.used).seconds()));
+        const auto used = known(s);
+        if (!used) continue;
+        size = std::max(size, std::abs(s.innovation - sum / count));
+        since = std::min(since, std::abs((f.time() - *used).seconds()));
     }
     constexpr double least_time = 0.1;  // s
     const double time = std::max(std::isfinite(since) ? since : 1.0, least_time), rate = 2.0 * size / time;

@@ -106,11 +106,10 @@ void RangeUpdate<Frame>::make_scalars(InertialFilter<Frame>& f, RangeTracking& t
         const double slow_sigma =
             by_model ? std::sqrt(air_delay.variance + m.variance + reflections * reflections) : errors.correlated;
         // reflections change within a minute, air and orbits in ten: one state that changes as the sum of both
-        constexpr double reflections_time = 60.0;  // s
-        const double slow_time = by_model && reflections > 0.0
+        const double slow_time = by_model && reflections > 0.0 && settings_.code_correlation > 0.0
                                      ? slow_sigma * slow_sigma /
                                            ((slow_sigma * slow_sigma - reflections * reflections) / errors.correlation_time +
-                                            reflections * reflections / reflections_time)
+                                            reflections * reflections / settings_.code_correlation)
                                      : errors.correlation_time;
         const int assigned = slot_of(f, tracking, m.source, source.station, slow_sigma, slow_time, listener),
                   offset = intersystem_of(source);
