@@ -90,6 +90,16 @@ bool check_itself(solution::ResultBundle& bundle, const fusion::RowSink& rows, W
 bool check_what_is_stated(solution::ResultBundle& bundle, const fusion::RowSink& rows, WarningLog& warnings) {
     const std::optional<solution::LeverArmDoubt> doubt = solution::doubt_of_lever_arm(bundle.data, bundle.result);
     if (!doubt) return false;
+    const auto tell = [&] {
+        warnings.add(doubt->unknown ? "unknown.gnss.lever_arm_m"
+                     : doubt->given ? "contradiction.gnss.lever_arm_m"
+                                    : "found.gnss.lever_arm_m",
+                     doubt->text());
+    };
+    if (doubt->told_only) {
+        tell();
+        return false;
+    }
     fusion::Settings& filter = bundle.data.config.filter;
     if (!doubt->refuted && !repeated(bundle, doubt->settings, rows)) return false;
     filter.estimate_lever_arm = true;
@@ -101,10 +111,7 @@ bool check_what_is_stated(solution::ResultBundle& bundle, const fusion::RowSink&
     }
     filter.gnss.lever_arm_std = doubt->settings.gnss.lever_arm_std;
     filter.output_at_antenna = doubt->settings.output_at_antenna;
-    warnings.add(doubt->unknown ? "unknown.gnss.lever_arm_m"
-                 : doubt->given ? "contradiction.gnss.lever_arm_m"
-                                : "found.gnss.lever_arm_m",
-                 doubt->text());
+    tell();
     if (doubt->settings.gnss.lever_arm_b == doubt->given_b) return true;
     filter.gnss.lever_arm_b = doubt->settings.gnss.lever_arm_b;
     bundle.data.given.erase("gnss.lever_arm_m");

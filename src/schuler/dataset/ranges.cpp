@@ -4,6 +4,7 @@
 #include "schuler/dataset/paths.h"
 #include "schuler/dataset/raw_gnss.h"
 #include "schuler/earth/ellipsoid.h"
+#include "schuler/gnss/phase_noise.h"
 #include "schuler/gnss/sampled_ranges.h"
 #include "schuler/io/raw_input.h"
 #include "schuler/io/receiver/adsb.h"
@@ -182,7 +183,10 @@ RawRanges ranges_from_raw(const fs::path& folder, const Description& d, bool pha
             }
         }
     }
-    if (!spans.empty()) out.phase_span = math::median(std::move(spans));
+    if (!spans.empty()) {
+        out.phase_span = math::median(std::move(spans));
+        out.phase_change = gnss::phase_change_sigma(log, d.raw.solver);
+    }
     out.ionosphere = gnss::broadcast_ionosphere(navigation);
     warn_of_missing_ionosphere(out.ionosphere, d.raw, warnings);
     return out;

@@ -24,7 +24,8 @@ namespace schuler::dataset {
 struct RawRanges {
     RangingLog log;
     gnss::BroadcastIonosphere ionosphere;
-    double phase_span = 0.0;  ///< s, usual interval of the range rates from phases; 0: none
+    double phase_span = 0.0;    ///< s, usual interval of the range rates from phases; 0: none
+    double phase_change = 0.0;  ///< m, gnss::phase_change_sigma; NaN: not known
 };
 /// `phase_rates`: range rates are the changes of the carrier phases since the epoch before where the count of cycles goes on and
 /// does not contradict the Doppler by much.

@@ -3,6 +3,7 @@
 #include "schuler/core/parallel.h"
 #include "schuler/core/units.h"
 #include "schuler/fusion/run_filter.h"
+#include "schuler/math/quantile.h"
 #include "schuler/math/rotation.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/solution/loaded_dataset.h"
@@ -38,18 +39,32 @@ private:
     const std::vector<SolutionRow>& rows_;
 };
 
+/// A fix of a much larger sigma than the log's fixes usually have would confirm any solution.
+void leave_out_vague(std::vector<CheckFix>& fixes, const std::vector<double>& sigmas) {
+    constexpr double many = 10.0, least = 30.0;  // times the median; m
+    if (fixes.empty()) return;
+    const double limit = std::max(least, many * math::median(sigmas));
+    for (std::size_t i = 0; i < fixes.size(); ++i) fixes[i].good &= !(sigmas[i] > limit);
+}
+
 /// Fixes of the undisturbed run with their status.
 std::vector<CheckFix> fixes_of(const LoadedDataset& data, const fusion::Result& result) {
     std::vector<CheckFix> fixes;
+    std::vector<double> sigmas;
     const Regimes regime(result.forward.rows);
     const auto t = [&](Time time) { return (time - data.origin).seconds(); };
     for (const fusion::AidRecord& r : result.aids)
-        if (r.kind == AidKind::GnssPosition && r.sigma.x() > 0.0 && r.status != AidStatus::Withheld)
+        if (r.kind == AidKind::GnssPosition && r.sigma.x() > 0.0 && r.status != AidStatus::Withheld) {
             fixes.push_back({t(r.stamp), r.status == AidStatus::Accepted && !r.other_level, regime.at(r.stamp) != Regime::Rest});
-    if (!fusion::uses_ranges(data.config.filter.coupling)) return fixes;
-    for (const GnssFix& fix : data.recording.gnss)  // used for comparison only
-        if (fix.fix != FixType::None && std::isfinite(fix.position.lat))
-            fixes.push_back({t(fix.time), true, regime.at(fix.time) != Regime::Rest});
+            sigmas.push_back(r.sigma.head<2>().norm());
+        }
+    if (fusion::uses_ranges(data.config.filter.coupling))
+        for (const GnssFix& fix : data.recording.gnss)  // used for comparison only
+            if (fix.fix != FixType::None && std::isfinite(fix.position.lat)) {
+                fixes.push_back({t(fix.time), true, regime.at(fix.time) != Regime::Rest});
+                sigmas.push_back(fix.std_position.head<2>().norm());  // NaN: not known
+            }
+    leave_out_vague(fixes, sigmas);
     return fixes;
 }
 

@@ -101,6 +101,11 @@ std::string LeverArmDoubt::text() const {
             "gnss.lever_arm_m is not given, and the log shows no more of it than {} +- {} m: the solution is that of the antenna; "
             "give the lever arm for that of the unit",
             numbers(found_b), numbers(std_b));
+    if (!given && told_only)
+        return fmt::format(
+            "gnss.lever_arm_m is not given; the fixes show that the antenna is {} +- {} m from the unit (forward, right, down), "
+            "which tight coupling does not use: give it",
+            numbers(found_b), numbers(std_b));
     if (!given)
         return fmt::format(
             "gnss.lever_arm_m is not given; the fixes show that the antenna is {} +- {} m from the unit (forward, right, down), "
@@ -108,14 +113,19 @@ std::string LeverArmDoubt::text() const {
             numbers(found_b), numbers(std_b));
     return fmt::format("the data contradict gnss.lever_arm_m: {} m is given; the fixes show {} +- {} m; {}", numbers(given_b),
                        numbers(found_b), numbers(std_b),
-                       refuted ? "what they show is used, and is a state" : "the given one is used, and is a state");
+                       told_only ? "the given one is used"
+                       : refuted ? "what they show is used, and is a state"
+                                 : "the given one is used, and is a state");
 }
 
 std::optional<LeverArmDoubt> doubt_of_lever_arm(const LoadedDataset& data, const fusion::Result& result) {
-    if (data.config.scheme != settings::Scheme::Loose || !result.findings.in_force || !data.config.run.self_check)
+    const bool to_base = data.config.scheme == settings::Scheme::Tight && !data.recording.ranges.carriers.empty();
+    if ((data.config.scheme != settings::Scheme::Loose && !to_base) || !result.findings.in_force || !data.config.run.self_check)
         return std::nullopt;
     LeverArmDoubt doubt;
     doubt.settings = *result.findings.in_force;
+    doubt.settings.coupling = fusion::Coupling::Loose;
+    doubt.told_only = to_base;
     doubt.given_b = doubt.settings.gnss.lever_arm_b;
     doubt.given = data.given.contains("gnss.lever_arm_m");
     if (doubt.settings.estimate_lever_arm || (!doubt.given && !doubt.given_b.isZero(0.0))) return std::nullopt;
@@ -136,7 +146,7 @@ std::optional<LeverArmDoubt> doubt_of_lever_arm(const LoadedDataset& data, const
     // is as much as the lever arm itself.
     constexpr double averaging = 0.01, short_arm = 0.3;  // m
     const fusion::Settings& in_force = doubt.settings;
-    const bool movable = !doubt.given && fusion::only_of_unit(data.recording, in_force) == nullptr;
+    const bool movable = !doubt.given && !to_base && fusion::only_of_unit(data.recording, in_force) == nullptr;
     const auto at_antenna = [&](const Estimate& e, const Vector3d& from) -> std::optional<LeverArmDoubt> {
         if (!movable || !matters(e, turning_of(data.recording, in_force.imu))) return std::nullopt;
         doubt.unknown = doubt.settings.output_at_antenna = true;
@@ -163,6 +173,7 @@ std::optional<LeverArmDoubt> doubt_of_lever_arm(const LoadedDataset& data, const
         if ((e->value - trial.gnss.lever_arm_b).cwiseAbs().maxCoeff() < settled) break;
     }
     if (!direction) return at_antenna(*e, e->value);
+    if (to_base) return doubt;
     doubt.refuted = !doubt.given || (beyond(10.0, sure) && !data.config.run.keep_given);
     if (doubt.refuted) doubt.settings.gnss.lever_arm_b = doubt.found_b;
     return doubt;

@@ -126,6 +126,16 @@ void settle(Channel& c) {
         c.value[i] = c.known[i] > 0.0 ? std::clamp(c.value[i] - centre, -limit, limit) : 0.0;
 }
 
+/// Ranks of the known values, from -1 to 1, with zero mean.
+void rank(Channel& c) {
+    std::vector<std::size_t> order;
+    for (std::size_t i = 0; i < c.value.size(); ++i)
+        if (c.known[i] > 0.0) order.push_back(i);
+    std::ranges::sort(order, {}, [&](std::size_t i) { return c.value[i]; });
+    const auto count = static_cast<double>(order.size());
+    for (std::size_t k = 0; k < order.size(); ++k) c.value[order[k]] = (2.0 * static_cast<double>(k) + 1.0) / count - 1.0;
+}
+
 class Correlator {
 public:
     explicit Correlator(std::size_t size) : fft_(size), in_(size), out_(size) {}
@@ -202,7 +212,7 @@ std::size_t good_size(std::size_t least) {
 
 }  // namespace
 
-ClockScan scan_clocks(const ImuSeries& imu, const GnssSeries& gnss, double gravity) {
+ClockScan scan_clocks(const ImuSeries& imu, const GnssSeries& gnss, double gravity, ScanOf what, double asked) {
     ClockScan scan;
     if (imu.size() < 100 || gnss.size() < 20) return scan;
     const double imu_span = imu.t.back() - imu.t.front(), gnss_span = gnss.t.back() - gnss.t.front();
@@ -216,8 +226,7 @@ ClockScan scan_clocks(const ImuSeries& imu, const GnssSeries& gnss, double gravi
     Correlator by(size);
     std::vector<double> support(size, 0.0), rho(size, 0.0), most(size, 0.0);
     for (std::size_t c = 0; c < x.size(); ++c) {
-        settle(x[c]);
-        settle(y[c]);
+        for (Channel* channel : {&x[c], &y[c]}) what == ScanOf::Ranks ? rank(*channel) : settle(*channel);
         const ChannelScan s = scan_channel(by, x[c], y[c], step);
         for (std::size_t k = 0; k < size; ++k) {
             support[k] += s.support[k];
@@ -237,6 +246,7 @@ ClockScan scan_clocks(const ImuSeries& imu, const GnssSeries& gnss, double gravi
         const double l = support[(k + size - 1) % size], m = support[k], r = support[(k + 1) % size];
         const double shift = shift_of(k);
         if (shift > earliest_lag - step && shift < latest_lag + step) scan.stated = std::max(scan.stated, m);
+        if (std::abs(shift - asked) < scan.width) scan.asked = std::max(scan.asked, m);
         if (m <= 5.0 || m < l || m <= r) continue;
         const double curve = l - 2.0 * m + r;
         scan.peaks.push_back({shift + (curve < 0.0 ? step * std::clamp(0.5 * (l - r) / curve, -0.5, 0.5) : 0.0), m, rho[k]});

@@ -25,12 +25,17 @@ struct ClockScan {
     std::vector<ClockPeak> peaks;  ///< local maxima, the best first
     double stated = 0.0;           ///< support of the unshifted times, within the lags of a receiver; 0 without common time
     double width = 0.0;            ///< s: peaks closer than this are considered one
+    double asked = 0.0;            ///< largest support within `width` of the shift asked for
 };
+
+/// What is correlated: the values, or their ranks, in which a few seconds count no more than others, however strong their signal is.
+enum class ScanOf { Values, Ranks };
 
 /// Correlates, over all shifts, the rate about the vertical with the rate of the course, the magnitude of the specific force with that
 /// of the track's acceleration minus gravity, and the force across the mean vertical with the horizontal acceleration. The number of
 /// independent samples is that of Bartlett's formula (Box, Jenkins and Reinsel, Time Series Analysis, 4th ed., eq. (12.1.8)).
-[[nodiscard]] ClockScan scan_clocks(const ImuSeries& imu, const GnssSeries& gnss, double gravity);
+[[nodiscard]] ClockScan scan_clocks(const ImuSeries& imu, const GnssSeries& gnss, double gravity, ScanOf what = ScanOf::Values,
+                                    double asked = 0.0);
 
 /// A shift caused by different clocks: whole hours (time zones, days, weeks, the epochs of 1970 and 1980), with or without leap seconds.
 struct KnownShift {

@@ -1,0 +1,97 @@
+#include "schuler/gnss/phase_noise.h"
+
+#include "schuler/earth/ellipsoid.h"
+#include "schuler/gnss/detail/least_squares.h"
+#include "schuler/gnss/sampled_ranges.h"
+#include "schuler/math/quantile.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace schuler::gnss {
+namespace {
+
+constexpr double rounding = 1e-6;  // s, of the epochs' times
+
+/// Growth of a satellite's range beyond its own motion, m, and its sigma relative to that at the zenith.
+struct Change {
+    Eigen::Vector3d line_of_sight;
+    double grown, factor;
+};
+
+std::vector<Change> changes_between(const RangingLog& log, const RangeEpoch& before, const RangeEpoch& now, const Ecef& receiver,
+                                    const RangeSettings& settings) {
+    const Geodetic place = earth::geodetic_from_ecef(earth::wgs84, receiver);
+    RangeEpoch one = now;
+    one.count = 1;
+    std::vector<Change> out;
+    for (std::size_t i = 0; i < now.count; ++i) {
+        one.first = now.first + i;
+        const RangeSample& m = log.samples[one.first];
+        if (!(std::abs((now.time - before.time).seconds() - m.phase_span) < rounding)) continue;
+        RangeEpoch then = before;
+        while (then.count > 0 && log.samples[then.first].source != m.source) ++then.first, --then.count;
+        if (then.count == 0) continue;
+        then.count = 1;
+        const std::vector<Range> end = satellite_ranges(log, one), begin = satellite_ranges(log, then);
+        if (end.empty() || begin.empty()) continue;
+        const ModelledRange here = model_range(end.front(), receiver, place, nullptr, settings),
+                            there = model_range(begin.front(), receiver, place, nullptr, settings);
+        out.push_back({here.line_of_sight, end.front().range_rate * m.phase_span - (here.range - there.range),
+                       noise_factor(here.direction.elevation, m.cn0)});
+    }
+    return out;
+}
+
+/// Adds the residuals of a least-squares fit of displacement and clock, each by its factor, enlarged by the share that the four
+/// unknowns take. Least absolute residuals first, for slips not to spoil the fit.
+void add_residuals(const std::vector<Change>& changes, std::vector<double>& residuals) {
+    constexpr int iterations = 12;
+    constexpr double unknowns = 4.0, least = 1e-4, slip = 5.0;  // m: smaller residuals have the same weight; medians
+    const auto residual = [](const Change& c, const detail::Estimate& x) {
+        return std::abs(c.grown - c.line_of_sight.dot(x.head<3>()) - x[3]) / c.factor;
+    };
+    std::vector<double> sizes(changes.size(), least);
+    const auto fit = [&](auto weight) {
+        detail::NormalEquations normal;
+        for (std::size_t i = 0; i < changes.size(); ++i)
+            normal.add(changes[i].line_of_sight, 0, changes[i].grown, weight(sizes[i]) / (changes[i].factor * changes[i].factor));
+        const auto x = normal.solve();
+        if (!x) return false;
+        std::ranges::transform(changes, sizes.begin(), [&](const Change& c) { return residual(c, *x); });
+        return true;
+    };
+    for (int i = 0; i < iterations; ++i)
+        if (!fit([&](double size) { return 1.0 / std::max(least, size); })) return;
+    const double limit = slip * std::max(least, math::median(sizes));
+    const auto used = static_cast<double>(std::ranges::count_if(sizes, [&](double size) { return size <= limit; }));
+    if (used <= unknowns || !fit([&](double size) { return size <= limit ? 1.0 : 1e-9; })) return;
+    for (const double size : sizes) residuals.push_back(size * std::sqrt(used / (used - unknowns)));
+}
+
+}  // namespace
+
+double phase_change_sigma(const RangingLog& log, const SinglePointSettings& settings) {
+    constexpr std::size_t most = 300, fewest_epochs = 10, fewest = 6;
+    const BroadcastSource nobody{Navigation{}};
+    SinglePointSettings single = settings;
+    single.ranges.ionosphere = IonosphereModel::None;
+    SinglePoint solver(nobody, {}, single);
+    const std::size_t step = std::max<std::size_t>(1, log.epochs.size() / most);
+    std::vector<double> residuals;
+    std::size_t epochs = 0;
+    for (std::size_t i = 1; i < log.epochs.size(); i += step) {
+        const SinglePointSolution s = solver.solve(satellite_ranges(log, log.epochs[i]), log.epochs[i].time);
+        if (s.status != SinglePointStatus::Solved) continue;
+        const std::vector<Change> changes = changes_between(log, log.epochs[i - 1], log.epochs[i], s.position, single.ranges);
+        if (changes.size() < fewest) continue;
+        add_residuals(changes, residuals);
+        ++epochs;
+    }
+    constexpr double sigma_of_median = 1.4826;
+    return epochs < fewest_epochs ? std::numeric_limits<double>::quiet_NaN()
+                                  : sigma_of_median * math::median(std::move(residuals));
+}
+
+}  // namespace schuler::gnss
