@@ -115,7 +115,7 @@ void judge_clock(Study& study) {
     // A few seconds in which the IMU is shaken or its record spoilt agree with any manoeuvre: the rest of the log must not object.
     if (study.overlap) {
         const ClockScan ranks = scan_clocks(study.imu, study.gnss, study.gravity, ScanOf::Ranks, best->peak.shift);
-        if (ranks.stated > ranks.asked) return;
+        if (ranks.asked < ranks.stated + beyond_rival) return;
     }
     const double supposed = best->known ? sought : sought - middle_lag;
     double window = short_window;
