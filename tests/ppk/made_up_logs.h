@@ -47,6 +47,10 @@ struct Receiver {
     };                          ///< m on L1, of time in s from the start
     double zenith_delay = 0.0;  ///< m beyond the model's
     bool air = false;           ///< the model's troposphere
+    /// North, east, up from `place` to where a carrier is received, m.
+    std::function<Eigen::Vector3d(double)> phase_centre = [](double) { return Eigen::Vector3d(0, 0, 0); };
+    /// And by how much its phase is longer, m, by elevation.
+    std::function<double(double)> variation = [](double) { return 0.0; };
 };
 
 /// Its log from `from` for so many seconds.
@@ -114,7 +118,11 @@ inline gnss::ObservationLog measured(const gnss::Navigation& sky, const Receiver
                 gnss::SignalObservation o;
                 o.satellite = id;
                 o.signal = {band, band == '1' ? 'C' : 'X'};
-                const double modelled = line.range + gnss::speed_of_light * clock + troposphere,
+                const Eigen::Vector3d centre = receiver.phase_centre(gnss::speed_of_light / wavelength);
+                const Ecef received{place.r +
+                                    earth::C_en(geodetic.lat, geodetic.lon) * Eigen::Vector3d(centre[0], centre[1], -centre[2])};
+                const double range = line_to(s, received, geodetic).range + receiver.variation(line.direction.elevation);
+                const double modelled = range + gnss::speed_of_light * clock + troposphere,
                              g = ionosphere_factor(wavelength) * ionosphere;
                 o.pseudorange = modelled + g + c.reflections + c.outlier;
                 o.phase = (modelled - g + c.phase + receiver.phase_sigma * factor * random.normal()) / wavelength + c.cycles;

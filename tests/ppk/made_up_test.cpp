@@ -42,6 +42,8 @@ protected:
         input.rover_name = "rover.obs";
         input.base_name = "base.obs";
         input.base_position = position;
+        input.rover_antenna = rover_antenna;
+        input.base_antenna = base_antenna;
         input.source = &source;
         input.single = single;
         return solve(input, settings, warnings);
@@ -71,10 +73,34 @@ protected:
     gnss::Navigation sky;
     Receiver rover, base;
     gnss::ObservationLog rover_log, base_log;
+    const gnss::Antenna *rover_antenna = nullptr, *base_antenna = nullptr;
     gnss::SinglePointSettings single;
     Settings settings;
     WarningLog warnings;
 };
+
+TEST_F(MadeUp, PositionsAreOfTheReferencePointsOfCalibratedAntennas) {
+    // decimetres, other ones on each carrier, and a phase that is longer near the horizon
+    const auto offset = [](double frequency) {
+        return frequency > 1.5e9 ? Eigen::Vector3d(0.01, -0.02, 0.11) : Eigen::Vector3d(-0.01, 0.01, 0.16);
+    };
+    rover.phase_centre = offset;
+    rover.variation = [](double elevation) { return 0.02 * (1.0 - 2.0 * elevation / 3.141592653589793); };
+    base.phase_centre = [](double) { return Eigen::Vector3d(0.0, 0.0, 0.05); };
+    gnss::Antenna at_rover, at_base;
+    for (const double frequency : {1575.42e6, 1227.6e6, 1176.45e6})
+        at_rover.carriers.push_back({frequency, offset(frequency), {0.0, 1.5707963267948966, {{0.0, 0.02}}}});
+    at_base.carriers.push_back({1575.42e6, {0.0, 0.0, 0.05}, {}});
+    measure(60.0, 3);
+    const Errors without = errors(solved());
+    rover_antenna = &at_rover;
+    base_antenna = &at_base;
+    const Errors with = errors(solved());
+    EXPECT_EQ(with.fixed, with.epochs) << text(with);
+    EXPECT_EQ(with.outside, 0U) << text(with);
+    EXPECT_LT(with.vertical(), 0.012) << text(with);
+    EXPECT_GT(without.vertical(), 0.03) << text(without);
+}
 
 TEST_F(MadeUp, SigmasCoverFloatAndFixed) {
     // code errors that last a minute: a filter that takes them for white is soon too sure of its float

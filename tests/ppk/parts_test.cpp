@@ -47,8 +47,8 @@ struct Pair {
     void track() {
         plan = common_signals(rover_log, base_log, single.ranges, 2);
         gnss::SinglePoint solver(source, std::nullopt, single);
-        base_epochs = tracked(base_log, Side::Base, plan, source, solver, single.ranges, base);
-        rover_epochs = tracked(rover_log, Side::Rover, plan, source, solver, single.ranges, std::nullopt);
+        base_epochs = tracked(base_log, {Side::Base, base}, plan, source, solver, single.ranges);
+        rover_epochs = tracked(rover_log, {Side::Rover, std::nullopt}, plan, source, solver, single.ranges);
     }
     ArcCounts number() {
         number_arcs(base_epochs, true, settings.arcs, settings.air);

@@ -95,6 +95,21 @@ void weigh_float(std::vector<GnssFix>& fixes, double correlation) {
     }
 }
 
+/// A receiver's antenna: of the type given, else of its header's.
+const gnss::Antenna* antenna_of(const gnss::Antennas& antennas, const std::string& given, const gnss::ObservationLog& log,
+                                const std::string& file, const char* key, WarningLog& warnings) {
+    const std::string& type = given.empty() ? log.antenna : given;
+    const gnss::Antenna* found = antennas.of_receiver(type);
+    if (found == nullptr)
+        warnings.add(
+            key, type.empty()
+                     ? fmt::format("{} names no antenna: its reference point is taken for its phase centre; give {}", file, key)
+                     : fmt::format("gnss.antennas has no antenna \"{}\" ({}): its reference point is taken for its phase "
+                                   "centre",
+                                   type, given.empty() ? "of the header of " + file : key));
+    return found;
+}
+
 void tell(const ppk::Solution& s, const std::string& base, WarningLog& warnings) {
     const std::size_t fixed = s.count(ppk::Quality::Fixed), floating = s.count(ppk::Quality::Float),
                       single = s.count(ppk::Quality::Single);
@@ -121,6 +136,12 @@ CarrierPhase carrier_phase(const fs::path& folder, const Description& descriptio
     input.rover_name = description.raw.observations.front();
     input.base_name = description.base.observations.front();
     input.base_position = description.base.position;
+    const gnss::Antennas antennas = antennas_of(folder, description.raw, warnings);
+    if (!description.raw.antennas.empty()) {
+        input.rover_antenna =
+            antenna_of(antennas, description.raw.antenna, whole, input.rover_name, "gnss.antenna_type", warnings);
+        input.base_antenna = antenna_of(antennas, description.base.antenna, base, input.base_name, "base.antenna_type", warnings);
+    }
     input.source = source.get();
     input.single = description.raw.solver;
     input.ionosphere = gnss::broadcast_ionosphere(rover.navigation);

@@ -33,6 +33,8 @@ struct RawGnssConfig {
     std::vector<std::string> observations;  ///< files; empty: none
     std::vector<std::string> navigation;
     std::string precise;
+    std::string antennas;  ///< file of calibrations; empty: none
+    std::string antenna;   ///< type of the receiver's; empty: its header's
     gnss::SinglePointSettings solver;
     bool phase_velocity = false;  ///< velocity from phases instead of Doppler
 };
@@ -42,6 +44,7 @@ struct BaseConfig {
     std::vector<std::string> observations;  ///< files; empty: no base
     std::optional<Ecef> position;           ///< of its antenna; empty: the header's
     bool position_is_geodetic = true;       ///< the form in which it was given
+    std::string antenna;                    ///< type; empty: the header's
     ppk::Settings settings;
 };
 

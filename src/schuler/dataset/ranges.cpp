@@ -153,13 +153,13 @@ RawRanges ranges_from_raw(const fs::path& folder, const Description& d, bool pha
         navigation.add(input.navigation);
         logs.push_back(std::move(input.observations));
     }
-    const gnss::BroadcastSource orbits(navigation);
-    warn_of_contradictions(navigation, orbits.navigation(), warnings);
+    const auto orbits = satellites(folder, d.raw, navigation, warnings);
+    warn_of_group_delays(d.raw, warnings);
     PhaseRates phases;
     std::vector<double> spans;
     for (const gnss::ObservationLog& raw : logs) {
         for (const gnss::ObservationEpoch& e : raw.epochs) {
-            gnss::prepare_ranges(raw.of(e), e.time, orbits, raw.channels, d.raw.solver.ranges, ranges);
+            gnss::prepare_ranges(raw.of(e), e.time, *orbits, raw.channels, d.raw.solver.ranges, ranges);
             if (ranges.empty() || (!log.epochs.empty() && e.time <= log.epochs.back().time)) continue;
             log.epochs.push_back({e.time, log.samples.size(), ranges.size()});
             phases.begin(e.time);

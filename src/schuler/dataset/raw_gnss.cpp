@@ -5,6 +5,7 @@
 #include "schuler/earth/ellipsoid.h"
 #include "schuler/gnss/phase_velocity.h"
 #include "schuler/io/raw_input.h"
+#include "schuler/io/rinex/antex.h"
 #include "schuler/io/rinex/sp3.h"
 
 #include <fmt/format.h>
@@ -36,7 +37,20 @@ std::unique_ptr<gnss::SatelliteSource> satellites(const fs::path& folder, const 
         warn_of_contradictions(navigation, source->navigation(), warnings);
         return source;
     }
-    return std::make_unique<gnss::PreciseSource>(io::read_sp3(resolved(folder, raw.precise, "gnss.precise"), warnings).nodes);
+    return std::make_unique<gnss::PreciseSource>(io::read_sp3(resolved(folder, raw.precise, "gnss.precise"), warnings).nodes,
+                                                 antennas_of(folder, raw, warnings));
+}
+
+gnss::Antennas antennas_of(const fs::path& folder, const RawGnssConfig& raw, WarningLog& warnings) {
+    if (raw.antennas.empty()) return {};
+    return io::read_antex(resolved(folder, raw.antennas, "gnss.antennas"), warnings).antennas;
+}
+
+void warn_of_group_delays(const RawGnssConfig& raw, WarningLog& warnings) {
+    if (raw.precise.empty() || raw.solver.ranges.ionosphere == gnss::IonosphereModel::Dual) return;
+    warnings.add("gnss.precise",
+                 "precise clocks hold for two frequencies: with one, group delays of up to some metres remain "
+                 "(gnss.ionosphere = \"dual\" avoids them)");
 }
 
 void warn_of_contradictions(const gnss::Navigation& all, const gnss::Navigation& used, WarningLog& warnings) {
@@ -101,10 +115,7 @@ std::vector<GnssFix> fixes_from_raw(const fs::path& folder, const RawGnssConfig&
     const auto source = satellites(folder, raw, navigation, warnings);
     const gnss::BroadcastIonosphere ionosphere = gnss::broadcast_ionosphere(navigation);
     warn_of_missing_ionosphere(ionosphere, raw, warnings);
-    if (!raw.precise.empty() && raw.solver.ranges.ionosphere != gnss::IonosphereModel::Dual)
-        warnings.add("gnss.precise",
-                     "precise clocks hold for two frequencies: with one, group delays of up to some metres remain "
-                     "(gnss.ionosphere = \"dual\" avoids them)");
+    warn_of_group_delays(raw, warnings);
     gnss::SinglePoint solver(*source, ionosphere, raw.solver);
     gnss::PhaseDifferences differences(*source, raw.solver.ranges);
     std::vector<GnssFix> fixes;

@@ -27,6 +27,12 @@ struct RawLogs {
 [[nodiscard]] std::unique_ptr<gnss::SatelliteSource> satellites(const std::filesystem::path& folder, const RawGnssConfig& raw,
                                                                 const gnss::Navigation& navigation, WarningLog& warnings);
 
+/// The calibrations of gnss.antennas; none without it.
+[[nodiscard]] gnss::Antennas antennas_of(const std::filesystem::path& folder, const RawGnssConfig& raw, WarningLog& warnings);
+
+/// Warns if group delays are not known.
+void warn_of_group_delays(const RawGnssConfig& raw, WarningLog& warnings);
+
 /// Single-point fixes in GPS time since 1980 from the files of config.raw, with relative paths based on `folder`. Epochs without
 /// a solution are counted in the log by their reason. @throws Error(Input): a file that cannot be read, no fix at all.
 [[nodiscard]] std::vector<GnssFix> fixes_from_raw(const std::filesystem::path& folder, const RawGnssConfig& raw,

@@ -45,6 +45,7 @@ struct ObservationLog {
     double version = 0.0;  ///< RINEX version; 0 if from another format
     std::string marker;
     Ecef approximate{not_given3()};
+    std::string antenna;                           ///< type and radome as in a header, empty if not stated
     Eigen::Vector3d antenna_delta = not_given3();  ///< marker to antenna: up, east, north, m
     GlonassChannels channels;
     std::vector<ObservationEpoch> epochs;

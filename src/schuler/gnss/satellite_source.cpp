@@ -165,7 +165,7 @@ Eigen::Vector3d interpolated(const PreciseSource::Node* nodes, Time t) {
 
 }  // namespace
 
-std::optional<Transmitter> PreciseSource::at(SatelliteId s, Signal, Time t) const {
+std::optional<Transmitter> PreciseSource::at(SatelliteId s, Signal signal, Time t) const {
     const std::vector<Node>& nodes = nodes_[index_of(s)];
     if (nodes.size() < nodes_used || t < nodes.front().time || t > nodes.back().time) return std::nullopt;
     const auto after = std::ranges::upper_bound(nodes, t, {}, &Node::time);
@@ -189,6 +189,8 @@ std::optional<Transmitter> PreciseSource::at(SatelliteId s, Signal, Time t) cons
     const Eigen::Vector3d inertial =
         out.velocity + gps_earth_rate * Eigen::Vector3d(-out.position.r.y(), out.position.r.x(), 0.0);
     out.clock -= 2.0 * out.position.r.dot(inertial) / (speed_of_light * speed_of_light);
+    if (const Antenna* antenna = antennas_.of_satellite(s, t))
+        out.position.r += satellite_phase_centre(*antenna, frequency_of(s.system, signal.band), out.position, t);
     constexpr double sigma = 0.05;  // m
     out.variance = sigma * sigma;
     return Transmitter{out, 0.0, 0};

@@ -1,6 +1,7 @@
 // Sources of satellite positions: broadcast ephemerides selected by time, or precise orbits.
 #pragma once
 
+#include "schuler/gnss/antenna.h"
 #include "schuler/gnss/ephemeris.h"
 #include "schuler/gnss/orbit.h"
 
@@ -58,14 +59,16 @@ public:
         Eigen::Vector3d position;  ///< m, Earth-fixed
         double clock;              ///< s, without the relativistic term; NaN if unknown
     };
-    /// Nodes of each satellite in time order.
-    explicit PreciseSource(std::vector<std::vector<Node>> nodes_by_satellite) : nodes_(std::move(nodes_by_satellite)) {
+    /// Nodes of each satellite in time order, of the centres of mass if antennas are given; positions are those of the phase centres then.
+    explicit PreciseSource(std::vector<std::vector<Node>> nodes_by_satellite, Antennas antennas = {})
+        : nodes_(std::move(nodes_by_satellite)), antennas_(std::move(antennas)) {
         nodes_.resize(satellite_count);
     }
     [[nodiscard]] std::optional<Transmitter> at(SatelliteId satellite, Signal signal, Time t) const override;
 
 private:
     std::vector<std::vector<Node>> nodes_;
+    Antennas antennas_;
 };
 
 }  // namespace schuler::gnss

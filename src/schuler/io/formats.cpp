@@ -14,6 +14,7 @@ namespace schuler::io {
     FORMAT(rinex_observation_format) \
     FORMAT(rinex_navigation_format)  \
     FORMAT(sp3_format)               \
+    FORMAT(antex_format)             \
     FORMAT(ulog_format)              \
     FORMAT(dataflash_format)         \
     FORMAT(mcap_format)              \

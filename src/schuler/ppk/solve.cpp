@@ -200,9 +200,10 @@ Solution solve(const Input& input, const Settings& settings, WarningLog& warning
     gnss::RangeSettings base_ranges = input.single.ranges;
     base_ranges.least_cn0 = 0.0;
     gnss::SinglePoint solver(*input.source, input.ionosphere, input.single);
-    std::vector<TrackedEpoch> base = tracked(*input.base, Side::Base, plan, *input.source, solver, base_ranges, out.base);
+    std::vector<TrackedEpoch> base =
+        tracked(*input.base, {Side::Base, out.base, input.base_antenna}, plan, *input.source, solver, base_ranges);
     std::vector<TrackedEpoch> rover =
-        tracked(*input.rover, Side::Rover, plan, *input.source, solver, input.single.ranges, std::nullopt);
+        tracked(*input.rover, {Side::Rover, std::nullopt, input.rover_antenna}, plan, *input.source, solver, input.single.ranges);
     if (rover.empty())
         throw input_error("no epoch has a single-point solution to begin with", {input.rover_name, 0, 0, "gnss.observations"},
                           "are the navigation files of the same day, and the systems right?");

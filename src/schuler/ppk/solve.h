@@ -19,6 +19,7 @@ struct Input {
     const gnss::ObservationLog* base = nullptr;
     std::string rover_name, base_name;  ///< files, for messages
     std::optional<Ecef> base_position;  ///< of its antenna, as given; else the header's, else its own single-point solution
+    const gnss::Antenna *rover_antenna = nullptr, *base_antenna = nullptr;  ///< if calibrated
     const gnss::SatelliteSource* source = nullptr;
     gnss::SinglePointSettings single;
     std::optional<gnss::BroadcastIonosphere> ionosphere;

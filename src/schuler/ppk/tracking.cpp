@@ -119,6 +119,15 @@ std::optional<TrackedSatellite> tracked_satellite(std::span<const SignalObservat
     return any ? std::optional(out) : std::nullopt;
 }
 
+void refer_to_reference_point(TrackedSatellite& satellite, const gnss::Antenna& antenna) {
+    for (TrackedSignal& s : satellite.signals) {
+        if (!(s.wavelength > 0.0)) continue;
+        const double added = antenna.to_reference_point(gnss::speed_of_light / s.wavelength, satellite.direction);
+        s.code += added;
+        s.phase += added;
+    }
+}
+
 }  // namespace
 
 std::size_t SignalPlan::satellites() const {
@@ -161,18 +170,18 @@ Line line_to(const TrackedSatellite& s, const Ecef& receiver, const Geodetic& ge
     return out;
 }
 
-std::vector<TrackedEpoch> tracked(const ObservationLog& log, Side side, const SignalPlan& plan,
+std::vector<TrackedEpoch> tracked(const ObservationLog& log, const Receiver& receiver, const SignalPlan& plan,
                                   const gnss::SatelliteSource& source, gnss::SinglePoint& solver,
-                                  const gnss::RangeSettings& settings, std::optional<Ecef> fixed) {
+                                  const gnss::RangeSettings& settings) {
     std::vector<TrackedEpoch> out;
     out.reserve(log.epochs.size());
-    std::optional<Ecef> last = fixed;
+    std::optional<Ecef> last = receiver.fixed;
     Duration clock_error{};
     for (const gnss::ObservationEpoch& e : log.epochs) {
         const auto observations = log.of(e);
         TrackedEpoch epoch;
         epoch.tag = e.time;
-        if (!fixed) {
+        if (!receiver.fixed) {
             epoch.single = solver.solve(observations, e.time, log.channels);
             epoch.single.satellites = {};
             epoch.placed = epoch.single.status == gnss::SinglePointStatus::Solved;
@@ -191,9 +200,10 @@ std::vector<TrackedEpoch> tracked(const ObservationLog& log, Side side, const Si
             const auto& pairs = plan.of[gnss::index_of(id)];
             if (pairs.empty()) continue;
             auto satellite =
-                tracked_satellite(observations.subspan(first, end - first), pairs, side, e.time, source, log, settings);
+                tracked_satellite(observations.subspan(first, end - first), pairs, receiver.side, e.time, source, log, settings);
             if (!satellite) continue;
             satellite->direction = line_to(*satellite, *last, geodetic).direction;
+            if (receiver.antenna != nullptr) refer_to_reference_point(*satellite, *receiver.antenna);
             if (e.power_failure)
                 for (TrackedSignal& s : satellite->signals) s.lost = true;
             if (satellite->direction.elevation >= settings.elevation_mask) epoch.satellites.push_back(*satellite);

@@ -1,6 +1,7 @@
 // Tracked data of one receiver by epoch: code and phase of the signals that both receivers have, with the transmitting satellites.
 #pragma once
 
+#include "schuler/gnss/antenna.h"
 #include "schuler/gnss/observation.h"
 #include "schuler/gnss/single_point.h"
 
@@ -68,11 +69,18 @@ struct TrackedEpoch {
 
 enum class Side { Rover, Base };
 
-/// Processes a log. `fixed`: position of the receiver if it is at rest at a known point; no single-point solution is then
-/// computed. Signals below the elevation mask or too weak are excluded.
-[[nodiscard]] std::vector<TrackedEpoch> tracked(const gnss::ObservationLog& log, Side side, const SignalPlan& plan,
+/// The receiver that a log is of.
+struct Receiver {
+    Side side = Side::Rover;
+    std::optional<Ecef> fixed;                ///< its position, if it is at rest at a known point
+    const gnss::Antenna* antenna = nullptr;  ///< calibrated: the measurements then refer to its reference point
+};
+
+/// Processes a log; of a fixed receiver no single-point solution is computed. Signals below the elevation mask or too weak are
+/// excluded.
+[[nodiscard]] std::vector<TrackedEpoch> tracked(const gnss::ObservationLog& log, const Receiver& receiver, const SignalPlan& plan,
                                                 const gnss::SatelliteSource& source, gnss::SinglePoint& solver,
-                                                const gnss::RangeSettings& settings, std::optional<Ecef> fixed);
+                                                const gnss::RangeSettings& settings);
 
 /// Range from a satellite at its time of transmission to a receiver, including the Earth's rotation during the light time, m; and
 /// its gradient with respect to the receiver position, the unit vector of the line of sight.

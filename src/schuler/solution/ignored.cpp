@@ -177,7 +177,7 @@ std::vector<Rule> sensor_rules(const ResultBundle& b) {
         {{"baro.white_m", "baro.bias_", "baro.sea_level_pressure_pa", "baro.columns", "baro.scale", "baro.time_offset_s"},
          unless(baro, "no barometer is used")},
         {{"mag.declination_deg", "mag.heading_", "mag.axes", "mag.columns", "mag.scale", "mag.time_offset_s"},
-         unless(mag, "no magnetometer is used")},
+         unless(mag || !f.mag.use, "no magnetometer is used")},
         {{"odometer."}, unless(f.odometer.use && !r.odometer.empty(), "no odometer is used")},
         {{"heading."}, unless(f.heading.use && !r.heading.empty(), "no heading sensor is used")},
         {{"heading.std_deg", "heading.offset_deg"},
@@ -197,6 +197,11 @@ std::vector<Rule> sensor_rules(const ResultBundle& b) {
          unless(raw && !c.raw.observations.empty(), raw && !r.ranges.empty()
                                                         ? "the ranges are those of a table, not of observations"
                                                         : "no raw measurements are used")},
+        {{"gnss.antennas"},
+         unless(!c.raw.precise.empty() || !b.data.carrier.epochs.empty(), "there is neither a base nor gnss.precise")},
+        {{"gnss.antenna_type", "base.antenna_type"},
+         unless(!c.raw.antennas.empty() && !b.data.carrier.epochs.empty(),
+                c.raw.antennas.empty() ? "gnss.antennas gives no calibrations" : "no base is used")},
         {{"base."},
          b.data.carrier.epochs.empty() ? c.base.observations.empty() ? "no base station is given (base.observations)"
                                          : !c.gnss.file.empty()      ? "gnss.file gives the fixes"

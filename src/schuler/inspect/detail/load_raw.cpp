@@ -6,6 +6,7 @@
 #include "schuler/inspect/detail/recognise.h"
 #include "schuler/io/receiver/adsb.h"
 #include "schuler/io/receiver/nmea.h"
+#include "schuler/io/rinex/antex.h"
 #include "schuler/io/rinex/sp3.h"
 
 #include <fmt/format.h>
@@ -202,6 +203,16 @@ void read_squitters(LoadedFile& file) {
             fmt::format("{} stays at {}", s.id, described(earth::ecef_from_geodetic(earth::wgs84, s.position))));
     if (stations.empty())
         file.problem(Level::Info, "no address stays where it is over five reports: these are aircraft, not stations", "");
+    for (const std::string& warning : log.summary()) file.problem(Level::Warning, warning, "");
+}
+
+void read_antennas(LoadedFile& file) {
+    WarningLog log;
+    file.report.kind = "antex";
+    const gnss::Antennas antennas = io::read_antex(io::TextInput(file.path), log).antennas;
+    file.report.contents.push_back(fmt::format("calibrations of {} and of {}",
+                                               counted(antennas.receivers.size(), "receiver antenna", "receiver antennas"),
+                                               counted(antennas.satellites.size(), "satellite antenna", "satellite antennas")));
     for (const std::string& warning : log.summary()) file.problem(Level::Warning, warning, "");
 }
 

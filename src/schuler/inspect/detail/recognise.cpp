@@ -321,6 +321,8 @@ void recognise_and_read(LoadedFile& file) {
         else file.problem(Level::Info, "a binary file of no known format", "");
     } else if (format->name == "sp3") {
         read_precise_orbits(file);
+    } else if (format->name == "antex") {
+        read_antennas(file);
     } else if (format->name == "adsb") {
         read_squitters(file);
     } else if (format->name == "kfgins_yaml" || format->name == "dataset_toml") {

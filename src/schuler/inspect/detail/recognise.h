@@ -39,6 +39,8 @@ void read_one_stream(LoadedFile& file, const io::Format& format);
 
 /// The same for precise orbits (SP3).
 void read_precise_orbits(LoadedFile& file);
+/// The same for calibrations of antennas (ANTEX).
+void read_antennas(LoadedFile& file);
 /// Extended squitters of 1090 MHz: their number, and the stationary senders.
 void read_squitters(LoadedFile& file);
 

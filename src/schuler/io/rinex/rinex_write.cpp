@@ -55,7 +55,8 @@ void observation_header(std::string& out, const gnss::ObservationLog& log, const
     line(out, "     3.04           OBSERVATION DATA    M: MIXED", "RINEX VERSION / TYPE");
     line(out, "schuler", "PGM / RUN BY / DATE");
     line(out, log.marker, "MARKER NAME");
-    for (const std::string_view label : {"OBSERVER / AGENCY", "REC # / TYPE / VERS", "ANT # / TYPE"}) line(out, "", label);
+    for (const std::string_view label : {"OBSERVER / AGENCY", "REC # / TYPE / VERS"}) line(out, "", label);
+    line(out, fmt::format("{:20}{:20.20}", "", log.antenna), "ANT # / TYPE");
     const auto three = [](const Eigen::Vector3d& v) {
         return v.allFinite() ? fmt::format("{:14.4f}{:14.4f}{:14.4f}", v.x(), v.y(), v.z())
                              : fmt::format("{0:14.4f}{0:14.4f}{0:14.4f}", 0.0);

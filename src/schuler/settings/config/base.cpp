@@ -17,7 +17,8 @@ auto setting(T ppk::Settings::*field) {
 Option<Config> position() {
     constexpr const char* form = "[latitude deg, longitude deg, ellipsoidal height m] or Earth-fixed [x, y, z] m";
     return special<Config>(
-        "base.position", form, "position of the base's antenna; default: that of the header with the antenna's height",
+        "base.position", form,
+        "position of the base's antenna (its reference point with gnss.antennas); default: that of the header with the antenna's height",
         [=](Config& c, const Value& v) {
             const ValueList* list = v.list();
             const bool numbers =
@@ -52,6 +53,8 @@ void add_base_options(OptionTable<Config>& table) {
                        "a base station's raw measurements (RINEX, UBX or RTCM 3): positions from carrier phases against it",
                        [](auto& c) -> auto& { return c.base.observations; }))
         .add(position())
+        .add(text<Config>("base.antenna_type", "type of the base's antenna, as in gnss.antennas; default: that of the header",
+                          [](auto& c) -> auto& { return c.base.antenna; }))
         .add(integer<Config>("base.frequencies", 1, 3, "number of carrier frequencies used of each satellite",
                              setting(&ppk::Settings::frequencies)))
         .add(choice<Config, ppk::Motion>("base.motion", {{"kinematic", ppk::Motion::Kinematic}, {"static", ppk::Motion::Static}},

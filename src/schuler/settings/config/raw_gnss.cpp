@@ -50,6 +50,13 @@ void add_raw_gnss_options(OptionTable<Config>& table) {
                        [](auto& c) -> auto& { return c.raw.navigation; }))
         .add(text<Config>("gnss.precise", "precise orbits and clocks (SP3) instead of broadcast ones",
                           [](auto& c) -> auto& { return c.raw.precise; }))
+        .add(text<Config>(
+            "gnss.antennas",
+            "antenna calibrations (ANTEX): with a base, positions are those of the reference points of the antennas; with "
+            "gnss.precise, orbits are those of the satellites' phase centres",
+            [](auto& c) -> auto& { return c.raw.antennas; }))
+        .add(text<Config>("gnss.antenna_type", "type of the receiver's antenna, as in gnss.antennas; default: that of the header",
+                          [](auto& c) -> auto& { return c.raw.antenna; }))
         .add(systems())
         .add(number<Config>("gnss.elevation_mask_deg", units::deg, -10, 80, "satellites below this elevation are not used",
                             ranges(&gnss::RangeSettings::elevation_mask)))

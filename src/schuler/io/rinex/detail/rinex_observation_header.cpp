@@ -76,6 +76,7 @@ private:
         if (has_label(line, "SYS / SCALE FACTOR")) scale(line);
         if (has_label(line, "MARKER NAME")) log_.marker = std::string(trimmed(line.substr(0, 60)));
         if (has_label(line, "APPROX POSITION XYZ")) log_.approximate.r = three(line);
+        if (has_label(line, "ANT # / TYPE")) log_.antenna = std::string(trimmed(line.substr(20, 20)));
         if (has_label(line, "ANTENNA: DELTA H/E/N")) log_.antenna_delta = three(line);
         if (has_label(line, "TIME OF FIRST OBS")) time_system(trimmed(line.substr(48, 3)));
         if (has_label(line, "GLONASS SLOT / FRQ #")) channels(line);
