@@ -84,12 +84,13 @@ GnssFix fix_of(const ppk::EpochSolution& s) {
     return fix;
 }
 
-/// The error of a float solution is that of its ambiguities, which codes reveal as slowly as their reflections change: of many fixes the
+/// The error of a float solution is that of its ambiguities, which codes reveal as slowly as their reflections change, and that of a
+/// single-point one what the models of air and orbits leave, which is not learnt beside fixes that do not have it: of many fixes the
 /// first counts in full and each further one by what it adds (ppk::BaselineFilter does so with codes).
-void weigh_float(std::vector<GnssFix>& fixes, double correlation) {
+void weigh_lasting(std::vector<GnssFix>& fixes, FixType kind, double correlation) {
     const GnssFix* before = nullptr;
     for (GnssFix& fix : fixes) {
-        if (fix.fix != FixType::RtkFloat) continue;
+        if (fix.fix != kind) continue;
         if (before != nullptr) fix.lasting = ppk::lasting((fix.time - before->time).seconds(), correlation);
         before = &fix;
     }
@@ -158,7 +159,9 @@ CarrierPhase carrier_phase(const fs::path& folder, const Description& descriptio
         out.fixes.push_back(fix_of(e));
         out.epochs.push_back(e);
     }
-    weigh_float(out.fixes, settings.code_correlation);
+    constexpr double air = 600.0;  // s
+    weigh_lasting(out.fixes, FixType::RtkFloat, settings.code_correlation);
+    weigh_lasting(out.fixes, FixType::Autonomous, air);
     return out;
 }
 
