@@ -47,6 +47,7 @@ constexpr auto conditions = std::to_array<std::pair<std::string_view, std::strin
     {"gnss.ionosphere", "raw measurements"},
     {"gnss.troposphere", "raw measurements"},
     {"gnss.precise", "raw measurements"},
+    {"gnss.antennas", "raw measurements"},
     {"gnss.antenna_type", "raw measurements"},
     {"gnss.phase_velocity", "raw measurements"},
     {"gnss.undulation_m", "heights above mean sea level"},
