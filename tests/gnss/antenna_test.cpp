@@ -4,6 +4,7 @@
 #include "schuler/earth/ellipsoid.h"
 #include "schuler/gnss/satellite_source.h"
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include <cmath>
