@@ -49,8 +49,9 @@ Measurement Pass<Frame>::measurement_of(const InertialFilter<Frame>& filter, con
         case AidKind::GnssPosition: {
             const FixNoise& noise = data_.fix_noise[event.index];
             // errors without states are part of the noise
-            Eigen::Vector3d variance = data_.recording->gnss[event.index].lasting *
-                                       (model_.layout.gnss_position < 0 ? noise.position : noise.white_position).cwiseAbs2();
+            const double lasting = event.outage < 0 ? data_.recording->gnss[event.index].lasting : 1.0;  // compared: by itself
+            Eigen::Vector3d variance =
+                lasting * (model_.layout.gnss_position < 0 ? noise.position : noise.white_position).cwiseAbs2();
             if (event.constellation_change) variance += slow.change_white_position.cwiseAbs2();
             // An estimated latency also varies from fix to fix, by some milliseconds.
             const double jitter = settings_.gnss.jitter.value_or(std::min(0.4 * settings_.gnss.latency_std, 0.01));  // s
