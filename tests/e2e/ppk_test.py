@@ -1,5 +1,6 @@
 """Carrier phases against a base from outside: the solution with its quality, what is refused, loose coupling fed with it."""
 import csv
+import gzip
 import json
 import math
 import os
@@ -166,6 +167,33 @@ heading_deg = 30
     check("--scheme tight or loose uses them" in told, f"intermediate coupling does not use the base's phases: {told}")
 
 
+def biased(source, target, bias, last_epoch):
+    """A copy of a log whose ranges of each satellite are longer by what `bias` says, codes and phases alike, up to an epoch."""
+    light, carriers = 299792458.0, {"1": 1575.42e6, "2": 1227.6e6, "5": 1176.45e6, "6": 1278.75e6, "7": 1207.14e6, "8": 1191.795e6}
+    types, epochs, header = {}, 0, True
+    with gzip.open(source, "rt") as log, open(target, "w") as out:
+        for line in log:
+            line = line.rstrip("\n")
+            if header:
+                if "SYS / # / OBS TYPES" in line:
+                    types[line[0]] = line[6:60].split()
+                header = "END OF HEADER" not in line
+            elif line.startswith(">"):
+                epochs += 1
+            elif line[:1] in types:
+                kept = line[:3]
+                for k, kind in enumerate(types[line[0]]):
+                    field = line[3 + 16 * k:19 + 16 * k].ljust(16)
+                    if field[:14].strip() and kind[0] in "CL":
+                        more = bias(line[:3]) / (1.0 if kind[0] == "C" else light / carriers[kind[1]])
+                        field = f"{float(field[:14]) + more:14.3f}{field[14:]}"
+                    kept += field
+                line = kept.rstrip()
+            if epochs > last_epoch:
+                break
+            out.write(line + "\n")
+
+
 def ppk_tight(program, source):
     """The generator's figure with a simulated unit: ambiguities as states of the filter, three outages of twenty seconds."""
     data = data_of(source)
@@ -224,6 +252,18 @@ def ppk_tight(program, source):
     for start in outages:
         again = next(float(row["time_s"]) - began for row in phases if float(row["time_s"]) > began + start + 19.0 and int(row["held"]) > 0)
         check(again < start + 22.5, f"after the outage at {start} s integers at {again} s")
+
+    # a base that falls silent, and single-point fixes off by metres that do not change: they are no thousand measurements
+    ranges = random.Random(4)
+    errors_of_ranges = {}
+    for file, last in (("Rover-dynamic_MO_Spirent.obs.gz", 10 ** 6), ("Base-static_MO_Spirent.obs.gz", 300)):
+        biased(data / file, folder / name / file.replace(".gz", ""), lambda s: errors_of_ranges.setdefault(s, abs(ranges.gauss(0.0, 3.0))), last)
+    toml = (folder / name / "dataset.toml").read_text()
+    (folder / name / "dataset.toml").write_text(toml.replace(".obs.gz", ".obs"))
+    program("process", name, "-o", "silent", "--scheme", "loose")
+    late = [(e, out) for t, e, out in errors("silent/solution.csv") if t > 335.0]
+    print(f"after the base: {max(e for e, _ in late):.2f} m, {sum(out for _, out in late)} of {len(late)} outside three sigma")
+    check(max(e for e, _ in late) < 1.0 and sum(out for _, out in late) < 0.01 * len(late), "a silent base")
 
 
 if __name__ == "__main__":
