@@ -2,6 +2,7 @@
 import csv
 import datetime
 import json
+import random
 import shutil
 import subprocess
 from pathlib import Path
@@ -20,6 +21,31 @@ def table_of(path):
 
 def write_table(path, header, rows):
     path.write_text("\n".join(",".join(row) for row in [header, *rows]) + "\n")
+
+
+def strangers_shaken(program, source):
+    """Ten seconds in which an IMU is shaken, on a course flown again and again: its clock is left alone."""
+    folder = Path(program.folder)
+    noise = random.Random(5)
+    for seed, part in ((1, 0.8), (2, 0.2), (4, 0.8), (5, 0.2)):
+        (folder / "flight.toml").write_text(
+            f'name = "flight"\nseed = {seed}\nduration_s = 400\n[trajectory]\ntype = "figure8"\nlength_m = 800\n'
+            'start = { lat_deg = 48.1, lon_deg = 11.5, height_m = 500 }\n[imu]\nrate_hz = 100\nkind = "rates"\ngrade = "consumer"\n'
+            "[gnss]\nrate_hz = 1\n")
+        program("simulate", "flight.toml", "-o", f"flight{seed}", "-q")
+        shaken = folder / f"shaken{seed}"
+        shaken.mkdir()
+        shutil.copy(folder / f"flight{seed}/gnss.csv", shaken)
+        header, rows = table_of(folder / f"flight{seed}/imu.csv")
+        begin = float(rows[0][0]) + part * 400.0
+        for row in rows:
+            if begin <= float(row[0]) < begin + 10.0:
+                for k, name in enumerate(header):
+                    if name.startswith(("gyro", "accel")):
+                        row[k] = repr(float(row[k]) + noise.gauss(0.0, 3.0 if name.startswith("gyro") else 60.0))
+        write_table(shaken / "imu.csv", header, rows)
+        told = program("inspect", f"shaken{seed}").stdout
+        check("the clocks of" not in told, f"seed {seed}: {told}")
 
 
 def strangers_velocity(program, source):
@@ -178,5 +204,5 @@ def strangers_left_out(program, source):
 
 
 if __name__ == "__main__":
-    main({"strangers_velocity": strangers_velocity, "strangers_tables": strangers_tables, "strangers_told": strangers_told,
+    main({"strangers_shaken": strangers_shaken, "strangers_velocity": strangers_velocity, "strangers_tables": strangers_tables, "strangers_told": strangers_told,
           "strangers_left_out": strangers_left_out})

@@ -112,10 +112,11 @@ void judge_clock(Study& study) {
     if (study.overlap && best->peak.support < scan.stated + beyond_stated) return;
     const double sought = best->known ? best->known->shift : best->peak.shift;
     if (study.overlap && sought > earliest_lag && sought < latest_lag) return;
-    // A few seconds in which the IMU is shaken or its record spoilt agree with any manoeuvre: the rest of the log must not object.
+    // A few seconds in which the IMU is shaken or its record spoilt agree with any manoeuvre, or hide that the times agree as they
+    // are while a repeated manoeuvre agrees better: the rest of the log must not object.
     if (study.overlap) {
         const ClockScan ranks = scan_clocks(study.imu, study.gnss, study.gravity, ScanOf::Ranks, best->peak.shift);
-        if (ranks.asked < ranks.stated + beyond_rival) return;
+        if (ranks.asked < ranks.stated + beyond_rival || (!best->known && ranks.stated > decisive)) return;
     }
     const double supposed = best->known ? sought : sought - middle_lag;
     double window = short_window;
