@@ -259,7 +259,7 @@ def ppk_tight(program, source):
     for file, last in (("Rover-dynamic_MO_Spirent.obs.gz", 10 ** 6), ("Base-static_MO_Spirent.obs.gz", 300)):
         biased(data / file, folder / name / file.replace(".gz", ""), lambda s: errors_of_ranges.setdefault(s, abs(ranges.gauss(0.0, 3.0))), last)
     toml = (folder / name / "dataset.toml").read_text()
-    (folder / name / "dataset.toml").write_text(toml.replace(".obs.gz", ".obs"))
+    (folder / name / "dataset.toml").write_text(toml.replace(".obs.gz", ".obs").replace(f"{data}/Rover", "Rover").replace(f"{data}/Base", "Base"))
     program("process", name, "-o", "silent", "--scheme", "loose")
     late = [(e, out) for t, e, out in errors("silent/solution.csv") if t > 335.0]
     print(f"after the base: {max(e for e, _ in late):.2f} m, {sum(out for _, out in late)} of {len(late)} outside three sigma")

@@ -47,7 +47,7 @@ RangingLog log_with(double sigma, bool slips) {
             if (!sent) continue;
             const double range = distance(sent->state.position.r, receiver.r, flight);
             const double sine = (sent->state.position.r - receiver.r).normalized().dot(receiver.r.normalized());
-            if (sine < std::sin(15.0 * deg)) continue;
+            if (sine < std::sin(5.0 * deg)) continue;
             RangeSample m;
             m.source = log.source(name_of(SatelliteId{System::Gps, static_cast<std::uint8_t>(prn)}), false);
             m.tx = sent->state.position;
