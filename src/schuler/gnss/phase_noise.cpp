@@ -8,6 +8,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
 
 namespace schuler::gnss {
 namespace {
@@ -44,30 +47,17 @@ std::vector<Change> changes_between(const RangingLog& log, const RangeEpoch& bef
     return out;
 }
 
-/// Adds the residuals of a least-squares fit of displacement and clock, each by its factor, enlarged by the share that the four
-/// unknowns take. Least absolute residuals first, for slips not to spoil the fit.
-void add_residuals(const std::vector<Change>& changes, std::vector<double>& residuals) {
-    constexpr int iterations = 12;
-    constexpr double unknowns = 4.0, least = 1e-4, slip = 5.0;  // m: smaller residuals have the same weight; medians
-    const auto residual = [](const Change& c, const detail::Estimate& x) {
-        return std::abs(c.grown - c.line_of_sight.dot(x.head<3>()) - x[3]) / c.factor;
-    };
-    std::vector<double> sizes(changes.size(), least);
-    const auto fit = [&](auto weight) {
-        detail::NormalEquations normal;
-        for (std::size_t i = 0; i < changes.size(); ++i)
-            normal.add(changes[i].line_of_sight, 0, changes[i].grown, weight(sizes[i]) / (changes[i].factor * changes[i].factor));
-        const auto x = normal.solve();
-        if (!x) return false;
-        std::ranges::transform(changes, sizes.begin(), [&](const Change& c) { return residual(c, *x); });
-        return true;
-    };
-    for (int i = 0; i < iterations; ++i)
-        if (!fit([&](double size) { return 1.0 / std::max(least, size); })) return;
-    const double limit = slip * std::max(least, math::median(sizes));
-    const auto used = static_cast<double>(std::ranges::count_if(sizes, [&](double size) { return size <= limit; }));
-    if (used <= unknowns || !fit([&](double size) { return size <= limit ? 1.0 : 1e-9; })) return;
-    for (const double size : sizes) residuals.push_back(size * std::sqrt(used / (used - unknowns)));
+/// Variance at the zenith that a least-squares fit of displacement and clock leaves, m^2, less what the median of a chi-square
+/// variable over its degrees of freedom is below one (Wilson and Hilferty's approximation).
+std::optional<double> variance_left(const std::vector<Change>& changes) {
+    detail::NormalEquations normal;
+    for (const Change& c : changes) normal.add(c.line_of_sight, 0, c.grown, 1.0 / (c.factor * c.factor));
+    const auto x = normal.solve();
+    if (!x) return std::nullopt;
+    double sum = 0.0;
+    for (const Change& c : changes) sum += std::pow((c.grown - c.line_of_sight.dot(x->head<3>()) - (*x)[3]) / c.factor, 2);
+    const double dof = static_cast<double>(changes.size()) - 4.0;
+    return sum / dof / std::pow(1.0 - 2.0 / (9.0 * dof), 3);
 }
 
 }  // namespace
@@ -79,15 +69,13 @@ double phase_change_sigma(const RangingLog& log, const SinglePointSettings& sett
     single.ranges.ionosphere = IonosphereModel::None;
     SinglePoint solver(nobody, {}, single);
     const std::size_t step = std::max<std::size_t>(1, log.epochs.size() / most);
-    std::vector<double> residuals;
-    std::size_t epochs = 0;
+    std::vector<double> variances;
     for (std::size_t i = 1; i < log.epochs.size(); i += step) {
         const SinglePointSolution s = solver.solve(satellite_ranges(log, log.epochs[i]), log.epochs[i].time);
         if (s.status != SinglePointStatus::Solved) continue;
         const std::vector<Change> changes = changes_between(log, log.epochs[i - 1], log.epochs[i], s.position, single.ranges);
         if (changes.size() < fewest) continue;
-        add_residuals(changes, residuals);
-        ++epochs;
+        if (const auto variance = variance_left(changes)) variances.push_back(*variance);
     }
     constexpr double sigma_of_median = 1.4826;
     return epochs < fewest_epochs ? std::numeric_limits<double>::quiet_NaN()
