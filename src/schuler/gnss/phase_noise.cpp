@@ -77,9 +77,8 @@ double phase_change_sigma(const RangingLog& log, const SinglePointSettings& sett
         if (changes.size() < fewest) continue;
         if (const auto variance = variance_left(changes)) variances.push_back(*variance);
     }
-    constexpr double sigma_of_median = 1.4826;
-    return epochs < fewest_epochs ? std::numeric_limits<double>::quiet_NaN()
-                                  : sigma_of_median * math::median(std::move(residuals));
+    return variances.size() < fewest_epochs ? std::numeric_limits<double>::quiet_NaN()
+                                            : std::sqrt(math::median(std::move(variances)));
 }
 
 }  // namespace schuler::gnss
