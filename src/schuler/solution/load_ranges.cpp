@@ -22,15 +22,14 @@ RangingLog ranges_from_raw(const std::filesystem::path& folder, settings::Config
         if (!given.contains("ranges.correlated_rate_m_s")) f.errors.satellite.correlated_rate = slow_rate;
         if (!given.contains("ranges.correlated_rate_time_s")) f.errors.satellite.correlated_rate_time = slow_time;
         if (!given.contains("ranges.rate_span_s")) f.errors.rate_span = raw.phase_span;
-        // never below the usual value: what few satellites leave may be too little
-        if (raw.phase_change > f.phase_change_std) {
-            constexpr double much = 2.0;
-            if (raw.phase_change > much * f.phase_change_std)
-                warnings.add(
-                    "phases.noise",
-                    fmt::format("carrier phases change with {:.1f} mm of noise (one sigma at the zenith; usual: {:.1f} mm): they "
-                                "count accordingly",
-                                1e3 * raw.phase_change, 1e3 * f.phase_change_std));
+        // The usual value has room for what positions off by metres make of the changes.
+        constexpr double much = 1.5;
+        if (raw.phase_change > much * f.phase_change_std) {
+            warnings.add(
+                "phases.noise",
+                fmt::format("carrier phases change with {:.1f} mm of noise (one sigma at the zenith; usual: {:.1f} mm): they "
+                            "count accordingly",
+                            1e3 * raw.phase_change, 1e3 * f.phase_change_std));
             f.phase_change_std = raw.phase_change;
         }
     }
