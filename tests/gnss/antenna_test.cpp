@@ -4,8 +4,8 @@
 #include "schuler/earth/ellipsoid.h"
 #include "schuler/gnss/satellite_source.h"
 
-#include <Eigen/Geometry>
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
 #include <cmath>
 

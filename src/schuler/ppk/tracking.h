@@ -72,7 +72,7 @@ enum class Side { Rover, Base };
 /// The receiver that a log is of.
 struct Receiver {
     Side side = Side::Rover;
-    std::optional<Ecef> fixed;                ///< its position, if it is at rest at a known point
+    std::optional<Ecef> fixed;               ///< its position, if it is at rest at a known point
     const gnss::Antenna* antenna = nullptr;  ///< calibrated: the measurements then refer to its reference point
 };
 
