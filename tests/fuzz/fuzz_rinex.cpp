@@ -1,4 +1,5 @@
-// RINEX observations and navigation and SP3 from arbitrary bytes.
+// RINEX observations and navigation, SP3 and ANTEX from arbitrary bytes.
+#include "schuler/io/rinex/antex.h"
 #include "schuler/io/rinex/rinex.h"
 #include "schuler/io/rinex/sp3.h"
 
@@ -14,7 +15,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             case 0: (void)io::read_rinex_observations(input, log); break;
             case 1: (void)io::read_rinex_navigation(input, log); break;
             case 2: (void)io::read_sp3(input, log); break;
-            default: (void)io::rinex_kind(input); break;
+            default:
+                (void)io::rinex_kind(input);
+                (void)io::read_antex(input, log);
+                break;
         }
     });
 }

@@ -1,4 +1,4 @@
-"""Seeds of the text readers: RINEX 2, 3 and 4, SP3. Every number is invented: a station in the Gulf of Guinea (0 N, 0 E) and the
+"""Seeds of the text readers: RINEX 2, 3 and 4, SP3, ANTEX. Every number is invented: a station in the Gulf of Guinea (0 N, 0 E) and the
 same round orbit elements for every satellite."""
 
 # The order of the broadcast message, RINEX 3.04 table A5 onwards: four values a line after the line of satellite and clock.
@@ -134,8 +134,25 @@ def sp3():
     return text + "EOF\n"
 
 
+def antex():
+    def line(text, label):
+        return f"{text:60}{label}\n"
+
+    def carrier(code, rows):
+        return line(f"   {code}", "START OF FREQUENCY") + line("      1.00     -2.00     66.80", "NORTH / EAST / UP") + "".join(
+            f"{name:>8}" + "".join(f"{value:8.2f}" for value in (0.0, -1.5, 3.0)) + "\n" for name in rows) + line(f"   {code}", "END OF FREQUENCY")
+
+    text = line("     1.4            M", "ANTEX VERSION / SYST") + line("", "END OF HEADER")
+    for kind, step in (("SEED            NONE", 0.0), ("BLOCK IIF           G03", 180.0)):
+        text += line("", "START OF ANTENNA") + line(kind, "TYPE / SERIAL NO") + line(f"  {step:6.1f}", "DAZI")
+        text += line("     0.0  90.0  45.0", "ZEN1 / ZEN2 / DZEN") + line("  2011     7    16     0     0    0.0000000", "VALID FROM")
+        text += carrier("G01", ["NOAZI"] + (["0.0", "180.0", "360.0"] if step else [])) + line("", "END OF ANTENNA")
+    return text
+
+
 def seeds():
     """Name in corpus/rinex, and text; the first letter chooses the reader of fuzz_rinex.cpp (its code modulo 4)."""
     return {"navigation2_gps": "1" + navigation2("G"), "navigation2_glonass": "1" + navigation2("R"),
             "navigation3": "1" + navigation3(), "navigation4": "1" + navigation4(), "observation2": "0" + observations2(),
-            "observation3": "0" + observations(3.04), "observation4": "0" + observations(4.0), "sp3": "2" + sp3()}
+            "observation3": "0" + observations(3.04), "observation4": "0" + observations(4.0), "sp3": "2" + sp3(),
+            "antex": "3" + antex()}

@@ -3,6 +3,7 @@
 #include "schuler/io/receiver/novatel_raw.h"
 #include "schuler/io/receiver/rtcm3.h"
 #include "schuler/io/receiver/ubx.h"
+#include "schuler/io/rinex/antex.h"
 #include "schuler/io/rinex/rinex.h"
 #include "schuler/io/rinex/sp3.h"
 
@@ -104,6 +105,10 @@ TEST_F(FuzzSeeds, ObservationsAndOrbitsAreAllRead) {
     const Sp3File sp3 = read_sp3(seed("rinex/sp3"), log);
     EXPECT_EQ(sp3.epochs, 3U);
     EXPECT_EQ(sp3.records.read, 9U);
+    const AntexFile antex = read_antex(seed("rinex/antex"), log);
+    EXPECT_EQ(antex.antennas.receivers.size(), 1U);
+    ASSERT_EQ(antex.antennas.satellites.size(), 1U);
+    EXPECT_EQ(antex.antennas.satellites[0].antenna.carriers[0].variation.rows.size(), 3U);
 }
 
 TEST_F(FuzzSeeds, MessagesAreAllRead) {
