@@ -92,9 +92,16 @@ private:
         const int number = number_of(payload);
         Decoded decoded = Decoded::Foreign;
         if (detail::is_msm(number)) {
-            detail::MsmEpoch epoch;
+            detail::MeasuredEpoch epoch;
             decoded = detail::rtcm3_msm(payload, number, now_, result.observations.channels, epoch);
             if (decoded == Decoded::Used) add(epoch);
+        } else if (detail::LegacyObservations::holds(number)) {
+            detail::MeasuredEpoch epoch;
+            decoded = legacy_.read(payload, number, now_, result.observations.channels, epoch);
+            if (decoded == Decoded::Used) add(epoch);
+        } else if (const Decoded station = detail::rtcm3_station(payload, number, result.observations);
+                   station != Decoded::Foreign) {
+            decoded = station;
         } else {
             decoded = detail::rtcm3_ephemeris(payload, number, now_, result.navigation);
             if (decoded == Decoded::Used && number == 1020) channel_of_last();
@@ -109,7 +116,7 @@ private:
         result.observations.channels.of_slot[g.satellite.number] = static_cast<std::int8_t>(g.channel);
     }
 
-    void add(detail::MsmEpoch& epoch) {
+    void add(detail::MeasuredEpoch& epoch) {
         auto& log = result.observations;
         // Some sources use the GPS time of the others for BeiDou messages; the flag of the previous message shows that they
         // belong together.
@@ -149,6 +156,7 @@ private:
     bool more_ = false;
     static constexpr int unknown_lock = 1 << 20;  ///< longer than any: the following phase counts as new
     std::map<std::pair<gnss::SatelliteId, gnss::Signal>, int> locks_;
+    detail::LegacyObservations legacy_;
     gnss::ObservationEpoch current_;
     std::size_t frames_ = 0;
 };
@@ -168,7 +176,7 @@ Rtcm3Log read_rtcm3(const TextInput& input, Time near, WarningLog& log) {
     const RecordCounts& r = reader.result.records;
     if (r.read == 0)
         throw input_error(fmt::format("there is no usable RTCM 3 message ({} damaged, {} of other kinds)", r.bad, r.foreign),
-                          place_in(input.name()), "log MSM4 to MSM7 and ephemerides");
+                          place_in(input.name()), "log MSM4 to MSM7 (or 1004 and 1012) and ephemerides");
     if (r.bad > 0)
         log.add(input.name() + " rtcm.bad",
                 fmt::format("{}: damaged RTCM frames: skipped, the first at byte {}", input.name(), r.first_bad_line), r.bad);
@@ -190,11 +198,12 @@ bool is_rtcm3(const TextInput& input) {
 }
 
 extern const Format rtcm3_format;
-const Format rtcm3_format = {.name = "rtcm3",
-                             .title = "RTCM 3 stream",
-                             .extensions = ".rtcm3 .rtcm",
-                             .holds = "raw measurements (MSM4 to MSM7) and ephemerides",
-                             .time = "GPS time",
-                             .recognise = [](const FileHead& head) { return is_rtcm3(TextInput(head.path)); }};
+const Format rtcm3_format = {
+    .name = "rtcm3",
+    .title = "RTCM 3 stream",
+    .extensions = ".rtcm3 .rtcm",
+    .holds = "raw measurements (MSM4 to MSM7; 1002, 1004, 1010, 1012), ephemerides, place and antenna of a station",
+    .time = "GPS time",
+    .recognise = [](const FileHead& head) { return is_rtcm3(TextInput(head.path)); }};
 
 }  // namespace schuler::io

@@ -1,4 +1,4 @@
-// RTCM 3 streams: multiple-signal messages and ephemerides.
+// RTCM 3 streams: measurements, ephemerides, and what is said of the station.
 #pragma once
 
 #include "schuler/core/log.h"
@@ -9,9 +9,10 @@
 namespace schuler::io {
 
 struct Rtcm3Log {
-    gnss::ObservationLog observations;  ///< of MSM4 to MSM7
-    gnss::Navigation navigation;        ///< of 1019, 1020, 1042, 1044, 1045, 1046
-    RecordCounts records;               ///< messages; first_bad_line is a byte offset
+    gnss::ObservationLog
+        observations;  ///< of MSM4 to MSM7, 1002, 1004, 1010 and 1012; place of 1005 and 1006, antenna of 1007, 1008 and 1033
+    gnss::Navigation navigation;  ///< of 1019, 1020, 1042, 1044, 1045, 1046
+    RecordCounts records;         ///< messages; first_bad_line is a byte offset
 };
 
 /// Reads a stream [RTCM10403]. Measurements have no date. If there are ephemerides (1019, 1042, 1045, 1046) their weeks date the

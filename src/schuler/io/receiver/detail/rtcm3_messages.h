@@ -4,8 +4,10 @@
 #include "schuler/gnss/ephemeris.h"
 #include "schuler/gnss/observation.h"
 
+#include <map>
 #include <optional>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace schuler::io::detail {
@@ -23,8 +25,8 @@ struct MessageDate {
 /// Empty for messages without a week count.
 [[nodiscard]] std::optional<MessageDate> rtcm3_date(std::string_view payload, int number, Time latest);
 
-/// Measurements of one multiple-signal message, and their instant.
-struct MsmEpoch {
+/// Measurements of one message, and their instant.
+struct MeasuredEpoch {
     Time time;
     bool more = false;  ///< further messages of the same instant follow
     std::vector<gnss::SignalObservation> observations;
@@ -32,6 +34,24 @@ struct MsmEpoch {
 };
 /// True if a message number is one of MSM4 to MSM7 of a known system.
 [[nodiscard]] bool is_msm(int number);
-[[nodiscard]] Decoded rtcm3_msm(std::string_view payload, int number, Time now, gnss::GlonassChannels& channels, MsmEpoch& out);
+[[nodiscard]] Decoded rtcm3_msm(std::string_view payload, int number, Time now, gnss::GlonassChannels& channels,
+                                MeasuredEpoch& out);
+
+/// Messages 1001 to 1004 (GPS, SBAS) and 1009 to 1012 (GLONASS), which preceded multiple-signal messages [RTCM10403:3.5.1, 3.5.5]. Those
+/// with odd numbers give pseudoranges only modulo a millisecond of light, and are foreign.
+class LegacyObservations {
+public:
+    [[nodiscard]] static bool holds(int number) { return (number > 1000 && number < 1005) || (number > 1008 && number < 1013); }
+    [[nodiscard]] Decoded read(std::string_view payload, int number, Time now, gnss::GlonassChannels& channels,
+                               MeasuredEpoch& out);
+
+private:
+    double continued(gnss::SatelliteId satellite, gnss::Signal signal, double cycles);
+
+    std::map<std::pair<gnss::SatelliteId, gnss::Signal>, double> cycles_;  ///< phase minus code of the last message
+};
+
+/// Station messages 1005 and 1006 (reference point of the antenna), 1007, 1008 and 1033 (its type) [RTCM10403:3.5.2, 3.5.3, 3.5.14].
+[[nodiscard]] Decoded rtcm3_station(std::string_view payload, int number, gnss::ObservationLog& log);
 
 }  // namespace schuler::io::detail

@@ -84,7 +84,7 @@ std::vector<SatelliteData> satellites(Bits& bits, std::size_t count, const Layou
 
 bool is_msm(int number) { return family_of(number) && number % 10 >= 4 && number % 10 <= 7; }
 
-Decoded rtcm3_msm(std::string_view payload, int number, Time now, gnss::GlonassChannels& channels, MsmEpoch& out) {
+Decoded rtcm3_msm(std::string_view payload, int number, Time now, gnss::GlonassChannels& channels, MeasuredEpoch& out) {
     const Family family = *family_of(number);
     const Layout layout = layout_of(number % 10);
     Bits bits(payload);
