@@ -111,13 +111,37 @@ def rtcm_msm(number, satellites, signals, time, more):
     return rtcm(b)
 
 
+def rtcm_legacy(number, second):
+    """Messages 1004 and 1012 of two carriers: 21 000 km, on the second one 6 m more; phases 3 m less and 4 m less than the first code."""
+    gps = number == 1004
+    b = Bits().put(number, 12).put(1, 12).put((TOW + second + (0 if gps else 3 * 3600 - 18)) * 1000, 30 if gps else 27)
+    b.put(1 if gps else 0, 1).put(2 if gps else 1, 5).put(0, 4)
+    modulus = 299792.458 * (1 if gps else 2)
+    for satellite in (3, 12) if gps else (5,):
+        b.put(satellite, 6).put(0, 1)
+        if not gps:
+            b.put(8, 5)
+        b.put(round(21e6 % modulus / 0.02), 24 if gps else 25).put(-6000, 20).put(20, 7).put(int(21e6 // modulus), 8 if gps else 7).put(180, 8)
+        b.put(3 if gps else 0, 2).put(300, 14).put(-8000, 20).put(20, 7).put(160, 8)
+    return rtcm(b)
+
+
+def rtcm_station():
+    """The place of a base on the equator, and its antenna."""
+    place = Bits().put(1006, 12).put(1, 12).put(0, 10).put(63781370000, 38).put(0, 2).put(0, 38).put(0, 2).put(0, 38).put(15000, 16)
+    antenna = Bits().put(1033, 12).put(1, 12).put(20, 8)
+    for letter in b"SEED            NONE":
+        antenna.put(letter, 8)
+    return rtcm(place) + rtcm(antenna.put(0, 8 + 4 * 8))
+
+
 def rtcm_log():
     log = rtcm_gps() + rtcm_galileo() + b"text between frames\r\n" + rtcm_glonass()
     moscow = (TOW + 3 * 3600 - 18) * 1000
     for epoch in range(2):
         log += rtcm_msm(1074, (3, 12), (2, 10), (TOW + epoch) * 1000, 1) + rtcm_msm(1087, (5,), (2,), moscow + 1000 * epoch, 1)
         log += rtcm_msm(1097, (11,), (2, 23), (TOW + epoch) * 1000, 1) + rtcm_msm(1124, (21,), (2,), (TOW + epoch - 14) * 1000, 0)
-    return log + rtcm(Bits().put(1005, 12).put(0, 140))
+    return log + rtcm_station() + rtcm_legacy(1004, 2) + rtcm_legacy(1012, 2) + rtcm(Bits().put(4090, 12).put(0, 140))
 
 
 def novatel_crc(data):

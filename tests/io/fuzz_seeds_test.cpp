@@ -147,11 +147,21 @@ TEST_F(FuzzSeeds, MessagesAreAllRead) {
 
     const Rtcm3Log rtcm = read_rtcm3(seed("receiver_logs/rtcm3"), Time::from_gps(2244, 0.0), log);
     EXPECT_EQ(rtcm.records.bad, 0U) << rtcm.records.first_bad_line;
-    EXPECT_EQ(rtcm.records.read, 3U + 2U * 4U);
+    EXPECT_EQ(rtcm.records.read, 3U + 2U * 4U + 4U);
     EXPECT_EQ(rtcm.records.foreign, 1U);
-    ASSERT_EQ(rtcm.observations.epochs.size(), 2U);
+    ASSERT_EQ(rtcm.observations.epochs.size(), 3U);
     EXPECT_EQ(rtcm.observations.epochs[0].time, reference);
-    EXPECT_EQ(rtcm.observations.observations.size(), 2U * (2U * 2U + 1U + 2U + 1U));
+    EXPECT_EQ(rtcm.observations.observations.size(), 2U * (2U * 2U + 1U + 2U + 1U) + 6U);
+    EXPECT_EQ(rtcm.observations.epochs[2].time, reference + Duration::from_seconds(2.0));
+    for (const gnss::SignalObservation& o : rtcm.observations.of(rtcm.observations.epochs[2])) {
+        const bool first = o.signal.band == '1';
+        const double wavelength = gnss::speed_of_light / gnss::frequency_of(o.satellite.system, o.signal.band, 1);
+        EXPECT_NEAR(o.pseudorange, first ? 21e6 : 21e6 + 6.0, 0.011);
+        EXPECT_NEAR(o.phase * wavelength, 21e6 - (first ? 3.0 : 4.0), 0.011);
+        EXPECT_EQ(o.cn0, first ? 45.0 : 40.0);
+    }
+    EXPECT_EQ(rtcm.observations.approximate.r, Eigen::Vector3d(6378137.0, 0.0, 0.0));
+    EXPECT_EQ(rtcm.observations.antenna, "SEED            NONE");
     EXPECT_EQ(rtcm.observations.channels.of_slot[5], 1);
     EXPECT_EQ(rtcm.navigation.kepler.size(), 2U);
     for (const auto& k : rtcm.navigation.kepler) expect_orbit(k, std::numbers::pi);

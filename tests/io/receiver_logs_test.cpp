@@ -293,6 +293,23 @@ TEST_F(ReceiverLogs, Rtcm3AgainstConvbin) {
     EXPECT_GT(theirs.glonass.size(), 5U);
 }
 
+/// Messages 1012 and 1005 of a base station.
+TEST_F(ReceiverLogs, Rtcm3BeforeMultipleSignalMessagesAgainstConvbin) {
+    SKIP_WITHOUT_DATA();
+    if (std::system("command -v convbin > /dev/null 2>&1") != 0) GTEST_SKIP() << "convbin (package rtklib) is not installed";
+    const auto file = test::data_folder() / "parser_corpus/rtklib_raw/testglo.rtcm3";
+    const Rtcm3Log rtcm = read_rtcm3(file, gps_from_utc({2026, 11, 21, 0, 0, 0.0}), log);
+    EXPECT_EQ(rtcm.observations.epochs.size(), 186U);
+    EXPECT_EQ(rtcm.records.bad, 0U);
+    EXPECT_LT((rtcm.observations.approximate.r - Eigen::Vector3d(-3869297.5138, 3436571.3345, 3717369.3757)).norm(), 1e-4);
+    const std::string command = "convbin -r rtcm3 -tr 2012/10/12 23:07:00 -v 3.04 -f 5 -od -os -o " +
+                                (folder() / "l.obs").string() + " " + file.string() + " > /dev/null 2>&1";
+    ASSERT_EQ(std::system(command.c_str()), 0);
+    const std::string text = rinex_observations_text(rtcm.observations);
+    const gnss::ObservationLog ours = read_rinex_observations(TextInput::memory(text, "ours.obs"), log).log;
+    expect_same(ours, read_rinex_observations(folder() / "l.obs", log).log, System::Glonass);
+}
+
 TEST_F(ReceiverLogs, Rtcm3IsDatedByItsEphemeridesOrByTheCaller) {
     const std::string whole = seed("rtcm3");
     const Time recorded = Time::from_gps(2244, 36000.0);
