@@ -64,7 +64,7 @@ Decoded LegacyObservations::read(std::string_view payload, int number, Time now,
     const int satellites = bits.integer(5);
     bits.skip(4);
     for (int i = 0; i < satellites; ++i) {
-        const int id = bits.integer(6);  // 0: none
+        const int id = bits.integer(6);
         LegacyCarrier first, second;
         first.signal = system.first[bits.take(1)];
         gnss::SatelliteId satellite{of_glonass ? System::Glonass : System::Gps, static_cast<std::uint8_t>(id)};
@@ -87,6 +87,7 @@ Decoded LegacyObservations::read(std::string_view payload, int number, Time now,
             second.cn0 = static_cast<double>(bits.take(8)) * db_of_cn0;
         }
         if (!bits.ok()) return Decoded::Damaged;
+        if (id == 0) continue;
         const std::int8_t channel = of_glonass ? channels.of_slot[satellite.number] : std::int8_t{0};
         for (const LegacyCarrier& c : {first, second}) {
             if (!std::isfinite(c.range) && !std::isfinite(c.phase)) continue;
