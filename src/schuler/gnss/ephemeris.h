@@ -13,7 +13,7 @@
 namespace schuler::gnss {
 
 /// Source message of an ephemeris. Galileo's I/NAV clock refers to E1 and E5b, the F/NAV clock to E1 and E5a.
-enum class NavMessage : std::uint8_t { Lnav, Inav, Fnav, D1, D2, Glonass, Sbas };
+enum class NavMessage : std::uint8_t { Lnav, Cnav, Inav, Fnav, D1, D2, Glonass, Sbas };
 
 /// Keplerian elements with harmonic corrections: GPS and QZSS [ISGPS200:table 20-III], Galileo [GalileoICD:tables 65, 67],
 /// BeiDou [BeiDouICD:table 5-10], NavIC. Angles rad, lengths m, times s.
@@ -25,9 +25,10 @@ struct KeplerEphemeris {
     double af0 = 0, af1 = 0, af2 = 0;  ///< clock: s, s/s, s/s^2
     double sqrt_a = 0, e = 0, i0 = 0, omega0 = 0, omega = 0, m0 = 0;
     double delta_n = 0, omega_dot = 0, idot = 0;
+    double a_rate = 0, delta_n_rate = 0;  ///< m/s, rad/s^2: CNAV
     double cuc = 0, cus = 0, crc = 0, crs = 0, cic = 0, cis = 0;
-    /// s. GPS, QZSS, NavIC: T_GD, 0. Galileo: BGD E1/E5a, E1/E5b. BeiDou: T_GD1 (B1), T_GD2 (B2).
-    std::array<double, 2> group_delay{0, 0};
+    /// s. GPS, QZSS, NavIC: T_GD, 0; CNAV: T_GD less the inter-signal corrections of L1 C/A, L2C and L5. Galileo: BGD E1/E5a, E1/E5b. BeiDou: T_GD1 (B1), T_GD2 (B2).
+    std::array<double, 3> group_delay{0, 0, 0};
     int iode = 0, iodc = 0;
     int health = 0;           ///< 0: healthy
     double accuracy = 0;      ///< m, one sigma as broadcast; 0 or less: unknown or not guaranteed

@@ -39,7 +39,7 @@ struct OrbitPlane {
 };
 
 OrbitPlane in_plane(const KeplerEphemeris& k, double tk, double anomaly, double n) {
-    const double a = k.sqrt_a * k.sqrt_a;
+    const double a = k.sqrt_a * k.sqrt_a + k.a_rate * tk;
     const double se = std::sin(anomaly), ce = std::cos(anomaly), root = std::sqrt(1.0 - k.e * k.e);
     const double anomaly_rate = n / (1.0 - k.e * ce);
     const double latitude = std::atan2(root * se, ce - k.e) + k.omega;  // argument of latitude, without corrections
@@ -48,7 +48,8 @@ OrbitPlane in_plane(const KeplerEphemeris& k, double tk, double anomaly, double 
     const double u = latitude + k.cus * s2 + k.cuc * c2;
     const double udot = latitude_rate * (1.0 + 2.0 * (k.cus * c2 - k.cuc * s2));
     const double r = a * (1.0 - k.e * ce) + k.crs * s2 + k.crc * c2;
-    const double rdot = a * k.e * se * anomaly_rate + 2.0 * latitude_rate * (k.crs * c2 - k.crc * s2);
+    const double rdot =
+        a * k.e * se * anomaly_rate + k.a_rate * (1.0 - k.e * ce) + 2.0 * latitude_rate * (k.crs * c2 - k.crc * s2);
     const double i = k.i0 + k.idot * tk + k.cis * s2 + k.cic * c2;
     const double idot = k.idot + 2.0 * latitude_rate * (k.cis * c2 - k.cic * s2);
     const double su = std::sin(u), cu = std::cos(u);
@@ -86,8 +87,8 @@ constexpr double unknown_accuracy = 4.0;  // m, if not guaranteed by the message
 SatelliteState satellite_state(const KeplerEphemeris& k, Time t) {
     const OrbitConstants c = constants_of(k.satellite.system);
     const double tk = (t - k.toe).seconds(), a = k.sqrt_a * k.sqrt_a;
-    const double n = std::sqrt(c.mu / (a * a * a)) + k.delta_n;
-    const double anomaly = eccentric_anomaly(k.m0 + n * tk, k.e);
+    const double mean = std::sqrt(c.mu / (a * a * a)) + k.delta_n, n = mean + k.delta_n_rate * tk;
+    const double anomaly = eccentric_anomaly(k.m0 + (mean + 0.5 * k.delta_n_rate * tk) * tk, k.e);
     SatelliteState out;
     place(k, c, tk, week_second(k.toe, k.satellite.system).second, in_plane(k, tk, anomaly, n), out);
     const double tc = (t - k.toc).seconds();
@@ -158,6 +159,7 @@ double group_delay(const KeplerEphemeris& k, Signal signal) {
     switch (system) {
         case System::Gps:
         case System::Qzss:
+            if (k.message == NavMessage::Cnav) return k.group_delay[signal.band == '1' ? 0 : signal.band == '2' ? 1 : 2];
             if (signal.band == '1') return k.group_delay[0];
             return signal.band == '2' ? ratio('2') * k.group_delay[0] : 0.0;
         case System::Galileo: {

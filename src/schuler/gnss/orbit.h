@@ -20,7 +20,7 @@ struct SatelliteState {
     double variance = 0;                ///< m^2, of orbit and clock along the line of sight
 };
 
-/// Orbit and clock from Keplerian elements [ISGPS200:table 20-IV, 20.3.3.3.3.1], [GalileoICD:table 66], [BeiDouICD:5.2.4.12] with the
+/// Orbit and clock from Keplerian elements [ISGPS200:tables 20-IV, 30-II, 20.3.3.3.3.1], [GalileoICD:table 66], [BeiDouICD:5.2.4.12] with the
 /// rotated frame of BeiDou's geostationary satellites. The velocity is the exact derivative of the position.
 [[nodiscard]] SatelliteState satellite_state(const KeplerEphemeris& ephemeris, Time t);
 

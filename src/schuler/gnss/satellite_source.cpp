@@ -30,13 +30,22 @@ void sort(std::vector<Ephemeris>& all) {
         all, {}, [](const Ephemeris& e) { return std::tuple(index_of(e.satellite), e.toe, rank(e), e.transmission); });
 }
 
+/// Of two kinds of message with other group delays the common one is used throughout, so that ranges do not step.
+bool second_choice(const KeplerEphemeris& k) { return k.message == NavMessage::Cnav; }
+template <class Other>
+bool second_choice(const Other&) {
+    return false;
+}
+
 template <class Ephemeris>
 const Ephemeris* nearest(const std::vector<Ephemeris>& all, std::size_t first, std::size_t last, Time t) {
     const Ephemeris* best = nullptr;
     std::int64_t apart = 0;
     for (std::size_t i = first; i < last; ++i) {
         const std::int64_t d = std::abs((t - all[i].toe).ns);
-        if (d <= longest_age(all[i]) && (best == nullptr || d <= apart)) {
+        if (d > longest_age(all[i])) continue;
+        const bool second = second_choice(all[i]), before = best != nullptr && second_choice(*best);
+        if (best == nullptr || (before && !second) || (before == second && d <= apart)) {
             best = &all[i];
             apart = d;
         }

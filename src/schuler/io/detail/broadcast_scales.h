@@ -48,6 +48,9 @@ inline int galileo_health(int valid_e1, int health_e1, int valid_e5b, int health
     return valid_e1 | health_e1 << 1 | valid_e5b << 6 | health_e5b << 7;
 }
 
+/// The same of E5a alone, which is all that F/NAV has.
+inline int galileo_health_of_e5a(int valid, int health) { return valid << 3 | health << 4; }
+
 /// GPS accuracy index to metres [ISGPS200:20.3.3.3.1.3]; 15 means no guarantee.
 inline double gps_accuracy(int index) {
     constexpr std::array<double, 15> metres = {2.0,  2.8,   4.0,   5.7,   8.0,    11.3,   16.0,  32.0,

@@ -47,16 +47,17 @@ inline void set_times(gnss::KeplerEphemeris& k, double toe, double sent) {
 
 [[nodiscard]] inline bool is_sound(const gnss::KeplerEphemeris& k) {
     constexpr std::int64_t day = 86'400'000'000'000;
-    for (const double x : {k.af0, k.af1, k.af2, k.e, k.i0, k.omega0, k.omega, k.m0, k.delta_n, k.omega_dot, k.idot, k.cuc, k.cus,
-                           k.crc, k.crs, k.cic, k.cis, k.accuracy}) {
+    for (const double x : {k.af0,  k.af1, k.af2, k.e,   k.i0,  k.omega0, k.omega, k.m0,       k.delta_n, k.omega_dot,
+                           k.idot, k.cuc, k.cus, k.crc, k.crs, k.cic,    k.cis,   k.accuracy, k.a_rate,  k.delta_n_rate}) {
         if (!std::isfinite(x)) return false;
     }
     const bool angles = std::abs(k.m0) < 10.0 && std::abs(k.omega) < 10.0 && std::abs(k.omega0) < 10.0 && std::abs(k.i0) < 4.0;
     const bool small = std::abs(k.cuc) < 1e-2 && std::abs(k.cus) < 1e-2 && std::abs(k.cic) < 1e-2 && std::abs(k.cis) < 1e-2 &&
                        std::abs(k.crc) < 1e5 && std::abs(k.crs) < 1e5 && std::abs(k.delta_n) < 1e-6 && std::abs(k.idot) < 1e-6 &&
-                       std::abs(k.omega_dot) < 1e-6;
+                       std::abs(k.omega_dot) < 1e-6 && std::abs(k.a_rate) < 10.0 && std::abs(k.delta_n_rate) < 1e-9;
     const bool clock = std::abs(k.af0) < 0.1 && std::abs(k.af1) < 1e-6 && std::abs(k.af2) < 1e-9 &&
-                       std::abs(k.group_delay[0]) < 1e-5 && std::abs(k.group_delay[1]) < 1e-5;
+                       std::abs(k.group_delay[0]) < 1e-5 && std::abs(k.group_delay[1]) < 1e-5 &&
+                       std::abs(k.group_delay[2]) < 1e-5;
     return k.sqrt_a > 2000.0 && k.sqrt_a < 10'000.0 && k.e >= 0.0 && k.e < 0.7 && angles && small && clock &&
            std::abs((k.toe - k.toc).ns) <= day;
 }

@@ -209,8 +209,12 @@ private:
         const int signal = number_at<std::uint8_t>(p, 2);
         const auto word = [&](std::size_t i) { return number_at<std::uint32_t>(p, head + 4 * i); };
         if ((satellite->system == System::Gps || satellite->system == System::Qzss) && count == 10) {
-            // civil messages of other signals have the same number of words, but another preamble
             std::array<std::uint32_t, 10> words{};
+            constexpr int l2_l = 3, l2_m = 4, l5_i = 6, l5_q = 7;
+            if (satellite->system == System::Gps && (signal == l2_l || signal == l2_m || signal == l5_i || signal == l5_q)) {
+                for (std::size_t i = 0; i < 10; ++i) words[i] = word(i);
+                return frames_.gps_message(*satellite, words, *now_);
+            }
             for (std::size_t i = 0; i < 10; ++i) words[i] = word(i) >> 6 & 0xFFFFFFU;
             if (!frames_.gps_subframe(*satellite, words, *now_)) ++result.records.foreign;
             return true;
@@ -230,6 +234,12 @@ private:
             std::array<std::uint32_t, 8> words{};
             for (std::size_t i = 0; i < 8; ++i) words[i] = word(i);
             return frames_.galileo_page(*satellite, words, *now_);
+        }
+        constexpr int e5a_i = 3, e5a_q = 4;
+        if (satellite->system == System::Galileo && count >= 8 && (signal == e5a_i || signal == e5a_q)) {
+            std::array<std::uint32_t, 8> words{};
+            for (std::size_t i = 0; i < 8; ++i) words[i] = word(i);
+            return frames_.galileo_freely_accessible_page(*satellite, words, *now_);
         }
         ++result.records.foreign;
         return true;

@@ -243,7 +243,8 @@ std::string rinex_navigation_text(const gnss::Navigation& n) {
     if (n.leap_seconds) line(out, fmt::format("{:6}", *n.leap_seconds), "LEAP SECONDS");
     line(out, "", "END OF HEADER");
     std::vector<std::tuple<Time, gnss::SatelliteId, std::string>> records;
-    for (const auto& k : n.kepler) records.emplace_back(k.toc, k.satellite, record(k));
+    for (const auto& k : n.kepler)  // the format has no record for CNAV before version 4
+        if (k.message != gnss::NavMessage::Cnav) records.emplace_back(k.toc, k.satellite, record(k));
     for (const auto& g : n.glonass) {
         // in the week of UTC
         const Duration leap{std::int64_t{gps_minus_utc(g.transmission.ns / detail::ns_per_second)} * detail::ns_per_second};

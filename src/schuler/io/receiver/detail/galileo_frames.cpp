@@ -1,4 +1,4 @@
-// Galileo I/NAV pages.
+// Galileo I/NAV and F/NAV pages.
 #include "schuler/io/detail/broadcast_scales.h"
 #include "schuler/io/detail/ephemeris_checks.h"
 #include "schuler/io/receiver/detail/navigation_frames.h"
@@ -62,6 +62,57 @@ void FrameCollector::galileo_ephemeris(gnss::SatelliteId satellite, const Galile
     k.health = galileo_health(valid_e1, health_e1, valid_e5b, health_e5b);
     const int week = five.integer(12);
     const double sent = static_cast<double>(five.take(20));
+    const Time transmitted = from_week_count(satellite.system, week, 4096, sent, now);
+    k.toc = nearest_in_week(toc, transmitted);
+    set_times(k, toe, sent);
+    add(k);
+}
+
+bool FrameCollector::galileo_freely_accessible_page(gnss::SatelliteId satellite, std::span<const std::uint32_t, 8> words,
+                                                    Time now) {
+    BitWriter all, checked;
+    for (const std::uint32_t word : words) all.put(word, 32);
+    const Bits bits(all.bytes());
+    constexpr std::size_t fnav_checked = 214;
+    checked.put(0, 2);  // to whole bytes
+    checked.put(bits, 0, fnav_checked);
+    if (crc24q(checked.bytes()) != bits.at(fnav_checked, 24)) return false;
+    const auto type = bits.at(0, 6);
+    if (type < 1 || type > 4) return true;
+    FnavPages& collected = fnav_[satellite];
+    collected.pages[type - 1] = all.bytes();
+    if (std::ranges::none_of(collected.pages, &std::string::empty)) fnav_ephemeris(satellite, collected, now);
+    return true;
+}
+
+void FrameCollector::fnav_ephemeris(gnss::SatelliteId satellite, const FnavPages& collected, Time now) {
+    gnss::KeplerEphemeris k;
+    k.satellite = satellite;
+    k.message = gnss::NavMessage::Fnav;
+    Bits one(collected.pages[0]), two(collected.pages[1]), three(collected.pages[2]), four(collected.pages[3]);
+    constexpr std::size_t type_bits = 6, issue_bits = 10;
+    for (Bits* b : {&one, &two, &three, &four}) b->skip(type_bits);
+    if (one.integer(6) != satellite.number) return;
+    k.iode = one.integer(issue_bits);
+    for (Bits* b : {&two, &three, &four})
+        if (b->integer(issue_bits) != k.iode) return;
+    const double toc = 60.0 * static_cast<double>(one.take(14));
+    k.af0 = scaled(one, 31, -34), k.af1 = scaled(one, 21, -46), k.af2 = scaled(one, 6, -59);
+    k.accuracy = galileo_accuracy(one.integer(8));
+    gnss::GalileoIonosphere ionosphere;
+    ionosphere.a = {scaled_unsigned(one, 11, -2), scaled(one, 11, -8), scaled(one, 14, -15)};
+    navigation_.galileo_ionosphere = ionosphere;
+    one.skip(5);
+    k.group_delay[0] = scaled(one, 10, -32);
+    const int health = one.integer(2), week = one.integer(12);
+    const double sent = static_cast<double>(one.take(20));
+    k.health = galileo_health_of_e5a(one.integer(1), health);
+    k.m0 = angle(two, 32, -31), k.omega_dot = angle(two, 24, -43), k.e = scaled_unsigned(two, 32, -33);
+    k.sqrt_a = scaled_unsigned(two, 32, -19), k.omega0 = angle(two, 32, -31), k.idot = angle(two, 14, -43);
+    k.i0 = angle(three, 32, -31), k.omega = angle(three, 32, -31), k.delta_n = angle(three, 16, -43);
+    k.cuc = scaled(three, 16, -29), k.cus = scaled(three, 16, -29), k.crc = scaled(three, 16, -5), k.crs = scaled(three, 16, -5);
+    const double toe = 60.0 * static_cast<double>(three.take(14));
+    k.cic = scaled(four, 16, -29), k.cis = scaled(four, 16, -29);
     const Time transmitted = from_week_count(satellite.system, week, 4096, sent, now);
     k.toc = nearest_in_week(toc, transmitted);
     set_times(k, toe, sent);

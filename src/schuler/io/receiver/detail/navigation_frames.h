@@ -11,7 +11,7 @@
 
 namespace schuler::io::detail {
 
-/// Collects frames (GPS and QZSS LNAV, Galileo I/NAV, BeiDou D1 and D2, GLONASS strings) until an ephemeris is complete and
+/// Collects frames (GPS and QZSS LNAV, GPS CNAV, Galileo I/NAV and F/NAV, BeiDou D1 and D2, GLONASS strings) until an ephemeris is complete and
 /// consistent; adds it if new. `now` is the receiver's time, within half the range of the broadcast week counters.
 class FrameCollector {
 public:
@@ -21,6 +21,10 @@ public:
     bool gps_subframe(gnss::SatelliteId satellite, const std::array<std::uint32_t, 10>& words, Time now);
     /// Even and odd page parts of 120 bits each, left-aligned in four words of 32 bits [GalileoICD:4.3]. False if the check fails.
     bool galileo_page(gnss::SatelliteId satellite, std::span<const std::uint32_t, 8> words, Time now);
+    /// A message of 300 bits, left-aligned in ten words of 32 bits [ISGPS200:30.3]. False if its check fails.
+    bool gps_message(gnss::SatelliteId satellite, std::span<const std::uint32_t, 10> words, Time now);
+    /// A page of 238 bits, left-aligned in eight words of 32 bits [GalileoICD:4.2]. False if the check fails.
+    bool galileo_freely_accessible_page(gnss::SatelliteId satellite, std::span<const std::uint32_t, 8> words, Time now);
     /// Ten words of 30 bits, including parity [BeiDouICD:5.2, 5.3]. False if the frame is invalid.
     bool beidou_subframe(gnss::SatelliteId satellite, const std::array<std::uint32_t, 10>& words, Time now);
     /// A string of 85 bits, left-aligned in three words of 32 bits; a fourth has the superframe and frame numbers
@@ -34,6 +38,14 @@ private:
     struct GalileoWords {
         std::array<std::string, 5> words;
     };
+    /// Messages 10 and 11, and one of 30 to 37.
+    struct CnavMessages {
+        std::array<std::string, 3> parts;
+        std::string delays;  ///< message 30
+    };
+    struct FnavPages {
+        std::array<std::string, 4> pages;
+    };
     /// D1: subframes 1 to 3. D2: the ten pages of subframe 1.
     struct BeiDouFrames {
         std::array<std::string, 10> parts;
@@ -44,6 +56,8 @@ private:
     };
     void gps_ephemeris(gnss::SatelliteId satellite, const GpsFrames& frames, Time now);
     void gps_ionosphere(gnss::SatelliteId satellite, const std::string& subframe);
+    void cnav_ephemeris(gnss::SatelliteId satellite, const CnavMessages& messages, Time now);
+    void fnav_ephemeris(gnss::SatelliteId satellite, const FnavPages& pages, Time now);
     void galileo_ephemeris(gnss::SatelliteId satellite, const GalileoWords& words, Time now);
     void beidou_d1(gnss::SatelliteId satellite, const BeiDouFrames& frames, Time now);
     void beidou_d2(gnss::SatelliteId satellite, const BeiDouFrames& frames, Time now);
@@ -52,7 +66,9 @@ private:
 
     gnss::Navigation& navigation_;
     std::map<gnss::SatelliteId, GpsFrames> gps_;
+    std::map<gnss::SatelliteId, CnavMessages> cnav_;
     std::map<gnss::SatelliteId, GalileoWords> galileo_;
+    std::map<gnss::SatelliteId, FnavPages> fnav_;
     std::map<gnss::SatelliteId, BeiDouFrames> beidou_;
     std::map<gnss::SatelliteId, GlonassStrings> glonass_;
 };
