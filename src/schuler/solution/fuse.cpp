@@ -4,8 +4,10 @@
 #include "schuler/scenario/simulated_receiver.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/settings/scenario/scenario.h"
+#include "schuler/solution/aided_receiver.h"
 #include "schuler/solution/bundle.h"
 #include "schuler/solution/gnss_only.h"
+#include "schuler/solution/load_ranges.h"
 #include "schuler/solution/loaded_dataset.h"
 
 #include <algorithm>
@@ -32,6 +34,16 @@ settings::ScenarioConfig with_states(settings::ScenarioConfig scenario, const se
     });
     if (!states.empty()) settings::config_table().apply(states, scenario.processing);
     return scenario;
+}
+
+/// Replaces the ranges of the receiver, and the fixes made of them, by those of loops aided by the solution of the fixes themselves.
+void aid_loops(ResultBundle& bundle, const fusion::Settings& settings) {
+    WarningLog heard;
+    const fusion::Result alone = fusion::run_filter(bundle.data.recording, settings, heard);
+    scenario::SimulatedReceiver receiver(*bundle.sky, receiver::Guidance::Loops);
+    bundle.data.recording.ranges = ranges_aided_by(alone.forward.rows, settings.earth, settings.gnss.lever_arm_b, receiver);
+    bundle.receiver_rows = receiver.rows();
+    take_fixes_from_ranges(bundle.data);
 }
 
 }  // namespace
@@ -81,7 +93,10 @@ void fuse_and_evaluate(ResultBundle& bundle, WarningLog& warnings, double output
         std::optional<scenario::SimulatedReceiver> receiver;
         using fusion::Coupling;
         if (bundle.sky && settings.coupling == Coupling::Deep) receiver.emplace(*bundle.sky, receiver::Guidance::Generators);
-        if (bundle.sky && settings.coupling == Coupling::Intermediate) receiver.emplace(*bundle.sky, receiver::Guidance::Loops);
+        const bool aided = bundle.sky && bundle.sky->settings().aided;
+        if (bundle.sky && (settings.coupling == Coupling::Intermediate || (aided && settings.coupling == Coupling::Tight)))
+            receiver.emplace(*bundle.sky, receiver::Guidance::Loops);
+        if (aided && settings.coupling == Coupling::Loose) aid_loops(bundle, settings);
         if (receiver)
             settings.ranging.errors.rate_span = bundle.data.config.filter.ranging.errors.rate_span = receiver->rate_span();
         fusion::ReceiverInLoop in_loop;

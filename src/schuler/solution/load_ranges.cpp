@@ -90,6 +90,7 @@ void take_fixes_from_ranges(LoadedDataset& data) {
     const auto tell = [&data](const char* key, auto& setting, const auto& value, const char* note) {
         if (data.given.contains(key)) return;
         setting = value;
+        std::erase_if(data.facts, [&](const Fact& f) { return f.key == key; });
         Fact fact;
         fact.key = key;
         fact.value = settings::fact_value_of(*settings::config_table().find(key)->get(data.config));

@@ -73,10 +73,15 @@ void add_receiver_scenario_options(OptionTable<S>& table) {
                        alone(&T::dll_bandwidth)))
         .add(integration("receiver.integration_ms", "coherent integration without inertial aiding; a divisor of 20",
                          alone(&T::integration)))
-        .add(number<S>("receiver.aided_pll_bandwidth_hz", 1.0, 0.5, 50,
-                       "bandwidth of the phase loop with inertial aiding (intermediate coupling)", aided(&T::pll_bandwidth)))
-        .add(number<S>("receiver.aided_dll_bandwidth_hz", 1.0, 0.01, 10,
-                       "bandwidth of the code loop with inertial aiding (intermediate coupling)", aided(&T::dll_bandwidth)))
+        .add(flag<S>(
+            "receiver.aided",
+            "tracking loops aided by the solution in tight coupling, and in loose coupling by a first run of it; those of "
+            "intermediate coupling always are",
+            [](auto& s) -> auto& { return s.receiver_channels.aided; }))
+        .add(number<S>("receiver.aided_pll_bandwidth_hz", 1.0, 0.5, 50, "bandwidth of the phase loop with inertial aiding",
+                       aided(&T::pll_bandwidth)))
+        .add(number<S>("receiver.aided_dll_bandwidth_hz", 1.0, 0.01, 10, "bandwidth of the code loop with inertial aiding",
+                       aided(&T::dll_bandwidth)))
         .add(integration("receiver.aided_integration_ms", "coherent integration with inertial aiding; a divisor of 20",
                          aided(&T::integration)))
         .add(choice<S, receiver::Prefilter>(

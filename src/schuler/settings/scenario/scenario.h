@@ -79,6 +79,7 @@ struct ReceiverScenarioConfig {
     std::vector<sim::StrengthPoint> profile;
     std::vector<sim::Jammer> jammers;
     receiver::BankSettings bank;  ///< guidance and oscillator are filled in
+    bool aided = false;           ///< loops follow the solution in loose and tight coupling too
     double clock_flicker = 0.0;   ///< h_-1 of the oscillator, in addition to ranges.clock
     double clock_per_g = 0.0;     ///< its fractional frequency change per g, on each axis
 };

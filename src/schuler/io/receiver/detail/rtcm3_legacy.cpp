@@ -21,8 +21,9 @@ struct LegacySystem {
     std::array<Signal, 2> first;
     std::array<Signal, 4> second;
 };
-constexpr LegacySystem gps{30, 24, 8, light_ms, {{{'1', 'C'}, {'1', 'P'}}}, {{{'2', 'X'}, {'2', 'P'}, {'2', 'D'}, {'2', 'W'}}}};
-constexpr LegacySystem glonass{
+constexpr LegacySystem fields_of_gps{
+    30, 24, 8, light_ms, {{{'1', 'C'}, {'1', 'P'}}}, {{{'2', 'X'}, {'2', 'P'}, {'2', 'D'}, {'2', 'W'}}}};
+constexpr LegacySystem fields_of_glonass{
     27, 25, 7, 2.0 * light_ms, {{{'1', 'C'}, {'1', 'P'}}}, {{{'2', 'C'}, {'2', 'P'}, {'2', 'C'}, {'2', 'P'}}}};
 
 /// A signed field in units of `scale`; NaN for the most negative value, which means none.
@@ -54,7 +55,7 @@ Decoded LegacyObservations::read(std::string_view payload, int number, Time now,
                                  MeasuredEpoch& out) {
     const bool of_glonass = number > 1008, two = number == 1004 || number == 1012;
     if (number % 2 != 0) return Decoded::Foreign;
-    const LegacySystem& system = of_glonass ? glonass : gps;
+    const LegacySystem& system = of_glonass ? fields_of_glonass : fields_of_gps;
     Bits bits(payload);
     bits.skip(24);
     const auto time = bits.take(system.time);
