@@ -55,7 +55,8 @@ void FrameCollector::cnav_ephemeris(gnss::SatelliteId satellite, const CnavMessa
     const double sent = 6.0 * static_cast<double>(ten.at(20, 17)) - 12.0;
     for (Bits* b : {&ten, &eleven, &clock, &delays}) b->seek(cnav_head);
     const int week = ten.integer(13);
-    k.health = ten.integer(3);
+    constexpr int l1_and_l2 = 6;  // L5 is marked as unusable until its system is complete
+    k.health = ten.integer(3) & l1_and_l2;
     const auto predicted = ten.take(11);
     k.accuracy = cnav_accuracy(static_cast<int>(ten.take_signed(5)));
     const int toe = ten.integer(11);
