@@ -1,4 +1,5 @@
 // UBX and RTCM 3 against other programs' decoding of the same logs, and damaged.
+#include "schuler/gnss/orbit.h"
 #include "schuler/io/receiver/rtcm3.h"
 #include "schuler/io/receiver/ubx.h"
 #include "schuler/io/rinex/rinex_write.h"
