@@ -216,7 +216,7 @@ TEST_F(ReceiverLogs, UbxFramesOfOtherCarriersAgreeWithThoseOfTheFirst) {
                 EXPECT_EQ(one.position.r, other.position.r) << gnss::name_of(a.satellite);
                 EXPECT_NEAR(clock(one, a), clock(other, b), 0.5);
                 EXPECT_EQ(a.group_delay[0], b.group_delay[0]);
-                EXPECT_EQ(a.health, a.satellite.number == 0 ? 1 : 0) << gnss::name_of(a.satellite);
+                EXPECT_EQ(a.health == 0, b.health == 0) << gnss::name_of(a.satellite);  // E14, on its eccentric orbit, is marked
             }
             if (a.message == NavMessage::Cnav && b.message == NavMessage::Lnav) {
                 ++gps;
