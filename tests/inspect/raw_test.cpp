@@ -47,7 +47,7 @@ TEST_F(RawFiles, RinexObservations) {
     expect_line(r, "GPS: 2 satellites, on average 2.0 an epoch; signals 1C (CLDS)");
     expect_line(r, "BeiDou: 1 satellite, on average 1.0 an epoch; signals 2I (CLDS)");
     expect_line(r,
-                "approximate position of the header: 0.000000 deg latitude, 0.000000 deg longitude, "
+                "approximate position stated in it: 0.000000 deg latitude, 0.000000 deg longitude, "
                 "0.0 m above the ellipsoid");
 }
 
@@ -117,7 +117,7 @@ TEST_F(RawFiles, LogsOfReceivers) {
     expect_line(u, "1 fix of the receiver itself, 2023-01-08 09:59:42 to 2023-01-08 09:59:42 UTC");
     const FileReport t = report("receiver_logs/rtcm3", "a.rtcm3");
     EXPECT_EQ(t.kind, "rtcm3");
-    expect_line(t, "2 epochs of raw measurements, 2023-01-08 09:59:42 to 2023-01-08 09:59:43 UTC, every 1 s");
+    expect_line(t, "3 epochs of raw measurements, 2023-01-08 09:59:42 to 2023-01-08 09:59:44 UTC, every 1 s");
     expect_line(t, "1 ephemeris of GLONASS: 1 satellite, 2023-01-08 09:45:00 to 2023-01-08 09:45:00 UTC");
 }
 

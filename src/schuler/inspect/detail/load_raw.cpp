@@ -126,7 +126,7 @@ std::string described(const Ecef& place) {
 void describe_place(const io::RawInput& raw, std::vector<std::string>& out) {
     const gnss::ObservationLog& log = raw.observations;
     if (log.approximate.r.allFinite() && log.approximate.r.norm() > 1e6) {
-        out.push_back("approximate position of the header: " + described(log.approximate));
+        out.push_back("approximate position stated in it: " + described(log.approximate));
         return;
     }
     if (raw.navigation.size() == 0) return;
