@@ -147,7 +147,7 @@ JobReport Jobs::wait(const std::string& id) const {
     }
 }
 
-std::vector<JobReport> Jobs::changes(std::uint64_t version) const {
+std::vector<JobReport> Jobs::changes(std::uint64_t& version) const {
     std::unique_lock lock(mutex_);
     change_.wait_for(lock, std::chrono::seconds(1), [&] { return stopping_ || version_ > version; });
     std::vector<JobReport> out;
@@ -160,6 +160,7 @@ std::vector<JobReport> Jobs::changes(std::uint64_t version) const {
         r.message = child.report.message;
         r.version = child.report.version;
     }
+    version = version_;
     return out;
 }
 

@@ -61,8 +61,9 @@ public:
     [[nodiscard]] bool busy(const std::string& id) const;
     /// Waits until the job has ended and returns its report.
     [[nodiscard]] JobReport wait(const std::string& id) const;
-    /// Reports (without output and log) of the jobs changed after `version`; waits for changes for at most a second.
-    [[nodiscard]] std::vector<JobReport> changes(std::uint64_t version) const;
+    /// Reports (without output and log) of the jobs changed after `version`, which becomes that of the last change, also of jobs aside
+    /// and of forgotten ones; waits for changes for at most a second.
+    [[nodiscard]] std::vector<JobReport> changes(std::uint64_t& version) const;
     /// The current version.
     [[nodiscard]] std::uint64_t version() const;
 

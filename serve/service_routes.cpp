@@ -285,7 +285,6 @@ std::string Service::events_after(std::uint64_t& version) const {
     for (const JobReport& r : jobs_.changes(version)) {
         const Json event{{"id", r.id}, {"state", name_of(r.state)}, {"progress", r.progress}, {"message", r.message}};
         out += "event: run\ndata: " + event.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n\n";
-        version = std::max(version, r.version);
     }
     return out;
 }
