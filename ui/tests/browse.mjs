@@ -111,7 +111,7 @@ export async function visitTabs(page, address, run, { wait = 8000, only = null, 
     let now = await state();
     for (let i = 0; i < plots && now.pending > 0; ++i)
       if (i < 40) {
-        await page.locator("#view figure.plot").nth(i).scrollIntoViewIfNeeded().catch(() => undefined);
+        await page.locator("#view figure.plot").nth(i).scrollIntoViewIfNeeded({ timeout: 1000 }).catch(() => undefined);   // a hidden one stays away
         await page.waitForTimeout(40);
         if (i % 6 === 5) now = await state();
       }
