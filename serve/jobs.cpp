@@ -158,7 +158,6 @@ std::vector<JobReport> Jobs::changes(std::uint64_t& version) const {
         r.state = child.report.state;
         r.progress = child.report.progress;
         r.message = child.report.message;
-        r.version = child.report.version;
     }
     version = version_;
     return out;

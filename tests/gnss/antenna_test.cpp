@@ -83,5 +83,25 @@ TEST(SatelliteAntenna, PointsToTheEarthAndItsPanelsAcrossTheSun) {
     EXPECT_NEAR(across.dot(earthward.cross(direction_of_sun(t))), 0.0, 1e-12);
 }
 
+/// Precise orbits are of centres of mass: with the antenna those of the phase centre, without it with the difference in the variance.
+TEST(SatelliteAntenna, LeadsFromTheCentreOfMassOrIsInTheVariance) {
+    const Time start = gps_from_utc({2021, 3, 20, 12, 0, 0.0});
+    const SatelliteId g3{System::Gps, 3};
+    std::vector<std::vector<PreciseSource::Node>> nodes(satellite_count);
+    for (int i = 0; i < 13; ++i) {
+        const double a = 0.04 * i;
+        nodes[index_of(g3)].push_back({start + Duration::from_seconds(300.0 * i),
+                                       26.56e6 * Vector3d(std::cos(a), 0.6 * std::sin(a), 0.8 * std::sin(a)), 0.0});
+    }
+    Antennas antennas;
+    antennas.satellites.push_back({g3, start, start + Duration::from_seconds(86'400.0), antenna_with({0.0, 0.0, 2.5}, {})});
+    const Time t = start + Duration::from_seconds(1800.0);
+    const auto mass = PreciseSource(nodes).at(g3, {}, t), centre = PreciseSource(nodes, antennas).at(g3, {}, t);
+    ASSERT_TRUE(mass && centre);
+    EXPECT_NEAR(mass->state.position.r.norm() - centre->state.position.r.norm(), 2.5, 1e-6);
+    EXPECT_LT(centre->state.variance, 0.01);
+    EXPECT_GT(mass->state.variance, 1.0);
+}
+
 }  // namespace
 }  // namespace schuler::gnss

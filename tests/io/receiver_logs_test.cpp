@@ -13,6 +13,9 @@
 #include <cstdlib>
 #include <map>
 
+#define SKIP_WITHOUT_CONVBIN() \
+    if (std::system("command -v convbin > /dev/null 2>&1") != 0) GTEST_SKIP() << "convbin (package rtklib) is not installed"
+
 namespace schuler::io {
 namespace {
 
@@ -144,7 +147,7 @@ void checksum(std::string& bytes, std::size_t at) {
 }
 
 TEST_F(ReceiverLogs, UbxFramesOfGlonassAndBeiDouAgainstConvbin) {
-    if (std::system("command -v convbin > /dev/null 2>&1") != 0) GTEST_SKIP() << "convbin (package rtklib) is not installed";
+    SKIP_WITHOUT_CONVBIN();
     const auto file = write("seed.ubx", seed("ubx"));
     const std::string command = "convbin -r ubx -v 3.04 -o " + (folder() / "s.obs").string() + " -n " +
                                 (folder() / "s.nav").string() + " " + file.string() + " > /dev/null 2>&1";
@@ -286,7 +289,7 @@ TEST_F(ReceiverLogs, UbxDamageIsSkippedAndPlaced) {
 
 TEST_F(ReceiverLogs, Rtcm3AgainstConvbin) {
     SKIP_WITHOUT_DATA();
-    if (std::system("command -v convbin > /dev/null 2>&1") != 0) GTEST_SKIP() << "convbin (package rtklib) is not installed";
+    SKIP_WITHOUT_CONVBIN();
     const auto file = test::data_folder() / "parser_corpus/rtklib_raw/GMSD7_20121014.rtcm3";
     // the ephemerides date the stream, though it is read in another year
     const Rtcm3Log rtcm = read_rtcm3(file, gps_from_utc({2026, 11, 21, 0, 0, 0.0}), log);
@@ -331,7 +334,7 @@ TEST_F(ReceiverLogs, Rtcm3AgainstConvbin) {
 /// Messages 1012 and 1005 of a base station.
 TEST_F(ReceiverLogs, Rtcm3BeforeMultipleSignalMessagesAgainstConvbin) {
     SKIP_WITHOUT_DATA();
-    if (std::system("command -v convbin > /dev/null 2>&1") != 0) GTEST_SKIP() << "convbin (package rtklib) is not installed";
+    SKIP_WITHOUT_CONVBIN();
     const auto file = test::data_folder() / "parser_corpus/rtklib_raw/testglo.rtcm3";
     const Rtcm3Log rtcm = read_rtcm3(file, gps_from_utc({2026, 11, 21, 0, 0, 0.0}), log);
     EXPECT_EQ(rtcm.observations.epochs.size(), 186U);

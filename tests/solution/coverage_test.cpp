@@ -37,6 +37,16 @@ TEST(Coverage, WindowsFitTheLog) {
     EXPECT_FALSE(check_windows({}, 0.0, 1000.0, {}).why_none.empty());
 }
 
+TEST(Coverage, FixesOfVagueSigmasJudgeNothing) {
+    std::vector<CheckFix> fixes = fixes_every(1.0, 9.0);
+    leave_out_vague(fixes, {0.02, 0.02, 2.0, 29.0, 31.0, 0.02, NAN, 3e4, 0.02, 0.02});
+    for (std::size_t i = 0; i < fixes.size(); ++i) EXPECT_EQ(fixes[i].good, i != 4 && i != 7) << i;
+    // a receiver that is usually vague
+    fixes = fixes_every(1.0, 3.0);
+    leave_out_vague(fixes, {10.0, 10.0, 99.0, 101.0});
+    for (std::size_t i = 0; i < fixes.size(); ++i) EXPECT_EQ(fixes[i].good, i != 3) << i;
+}
+
 TEST(Coverage, WindowsAvoidOutagesAndBadFixes) {
     std::vector<CheckFix> fixes = fixes_every(0.5, 600.0);
     for (CheckFix& f : fixes) f.good = std::fmod(f.t, 37.0) < 24.0;

@@ -19,6 +19,7 @@ struct Case {
     bool given = true;
     bool straight = false;
     bool aloft = false;   ///< an aircraft
+    bool tight = false;   ///< the fixes are of carrier phases, which the filter itself uses
     bool shaken = false;  ///< engine, quick fixes of the velocity
     std::uint64_t seed = 21;
 };
@@ -48,7 +49,12 @@ std::optional<LeverArmDoubt> doubt_of(const Case& c) {
     WarningLog warnings;
     LoadedDataset data = settled_dataset(recording, config, warnings);
     if (c.given) data.given = {"gnss.lever_arm_m"};
-    return doubt_of_lever_arm(data, fusion::run_filter(data.recording, data.config.filter, warnings));
+    const fusion::Result result = fusion::run_filter(data.recording, data.config.filter, warnings);
+    if (c.tight) {
+        data.config.scheme = settings::Scheme::Tight;
+        data.recording.ranges.carriers.emplace_back();
+    }
+    return doubt_of_lever_arm(data, result);
 }
 
 TEST(StatedLeverArm, TheTrueOneIsNotDoubted) { EXPECT_FALSE(doubt_of({.said = {0.4, -0.2, -1.1}})); }
@@ -61,6 +67,16 @@ TEST(StatedLeverArm, AWrongOneIsRefutedAndFound) {
         EXPECT_LT((doubt->found_b - Vector3d(0.4, -0.2, -1.1)).head<2>().norm(), 0.3) << doubt->text();
         EXPECT_TRUE(doubt->settings.estimate_lever_arm);
     }
+}
+
+/// Phases are too exact for a lever arm as a state.
+TEST(StatedLeverArm, AWrongOneIsOnlyToldInTightCouplingWithABase) {
+    const std::optional<LeverArmDoubt> doubt = doubt_of({.said = {3.4, -0.2, -1.1}, .tight = true});
+    ASSERT_TRUE(doubt);
+    EXPECT_TRUE(doubt->told_only && !doubt->refuted);
+    EXPECT_LT((doubt->found_b - Vector3d(0.4, -0.2, -1.1)).head<2>().norm(), 0.3) << doubt->text();
+    EXPECT_NE(doubt->text().find("the given one is used"), std::string::npos) << doubt->text();
+    EXPECT_FALSE(doubt_of({.said = {0.4, -0.2, -1.1}, .tight = true}));
 }
 
 TEST(LeverArm, OfAnAntennaAsideIsFoundWhereNoneIsGiven) {

@@ -102,12 +102,9 @@ const gnss::Antenna* antenna_of(const gnss::Antennas& antennas, const std::strin
     const std::string& type = given.empty() ? log.antenna : given;
     const gnss::Antenna* found = antennas.of_receiver(type);
     if (found == nullptr)
-        warnings.add(
-            key, type.empty()
-                     ? fmt::format("{} names no antenna: its reference point is taken for its phase centre; give {}", file, key)
-                     : fmt::format("gnss.antennas has no antenna \"{}\" ({}): its reference point is taken for its phase "
-                                   "centre",
-                                   type, given.empty() ? "of the header of " + file : key));
+        warnings.add(key, type.empty() ? fmt::format("{} names no antenna: no calibration is used; give {}", file, key)
+                                       : fmt::format("gnss.antennas has no antenna \"{}\" ({}): no calibration is used", type,
+                                                     given.empty() ? "of the header of " + file : key));
     return found;
 }
 
@@ -129,7 +126,8 @@ CarrierPhase carrier_phase(const fs::path& folder, const Description& descriptio
     const std::optional<Time> near =
         rover.logs.front().epochs.empty() ? std::nullopt : std::optional(rover.logs.front().epochs.front().time);
     const gnss::ObservationLog base = joined(base_logs(folder, description, near, rover.navigation, warnings));
-    const auto source = satellites(folder, description.raw, rover.navigation, warnings);
+    const gnss::Antennas antennas = antennas_of(folder, description.raw, warnings);
+    const auto source = satellites(folder, description.raw, rover.navigation, warnings, &antennas);
     ppk::Input input;
     const gnss::ObservationLog whole = joined(std::move(rover.logs));
     input.rover = &whole;
@@ -137,11 +135,12 @@ CarrierPhase carrier_phase(const fs::path& folder, const Description& descriptio
     input.rover_name = description.raw.observations.front();
     input.base_name = description.base.observations.front();
     input.base_position = description.base.position;
-    const gnss::Antennas antennas = antennas_of(folder, description.raw, warnings);
     if (!description.raw.antennas.empty()) {
         input.rover_antenna =
             antenna_of(antennas, description.raw.antenna, whole, input.rover_name, "gnss.antenna_type", warnings);
         input.base_antenna = antenna_of(antennas, description.base.antenna, base, input.base_name, "base.antenna_type", warnings);
+        // of one alone the whole offset would be in every position, of which much cancels without any
+        if (input.rover_antenna == nullptr || input.base_antenna == nullptr) input.rover_antenna = input.base_antenna = nullptr;
     }
     input.source = source.get();
     input.single = description.raw.solver;

@@ -31,14 +31,15 @@ void use_phase_velocity(GnssFix& fix, const gnss::PhaseVelocity& v) {
 }  // namespace
 
 std::unique_ptr<gnss::SatelliteSource> satellites(const fs::path& folder, const RawGnssConfig& raw,
-                                                  const gnss::Navigation& navigation, WarningLog& warnings) {
+                                                  const gnss::Navigation& navigation, WarningLog& warnings,
+                                                  const gnss::Antennas* antennas) {
     if (raw.precise.empty()) {
         auto source = std::make_unique<gnss::BroadcastSource>(navigation);
         warn_of_contradictions(navigation, source->navigation(), warnings);
         return source;
     }
     return std::make_unique<gnss::PreciseSource>(io::read_sp3(resolved(folder, raw.precise, "gnss.precise"), warnings).nodes,
-                                                 antennas_of(folder, raw, warnings));
+                                                 antennas != nullptr ? *antennas : antennas_of(folder, raw, warnings));
 }
 
 gnss::Antennas antennas_of(const fs::path& folder, const RawGnssConfig& raw, WarningLog& warnings) {

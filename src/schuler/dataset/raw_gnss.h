@@ -23,9 +23,11 @@ struct RawLogs {
 /// @throws Error(Input): a file that cannot be read, no ephemerides.
 [[nodiscard]] RawLogs read_raw_logs(const std::filesystem::path& folder, const RawGnssConfig& raw, WarningLog& warnings);
 
-/// Satellite source from the settings: precise orbits if a file is named, else the broadcast ones.
+/// Satellite source from the settings: precise orbits if a file is named, else the broadcast ones. `antennas`: those of antennas_of(),
+/// where they are read already.
 [[nodiscard]] std::unique_ptr<gnss::SatelliteSource> satellites(const std::filesystem::path& folder, const RawGnssConfig& raw,
-                                                                const gnss::Navigation& navigation, WarningLog& warnings);
+                                                                const gnss::Navigation& navigation, WarningLog& warnings,
+                                                                const gnss::Antennas* antennas = nullptr);
 
 /// The calibrations of gnss.antennas; none without it.
 [[nodiscard]] gnss::Antennas antennas_of(const std::filesystem::path& folder, const RawGnssConfig& raw, WarningLog& warnings);

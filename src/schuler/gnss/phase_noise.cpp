@@ -26,22 +26,17 @@ struct Change {
 std::vector<Change> changes_between(const RangingLog& log, const RangeEpoch& before, const RangeEpoch& now, const Ecef& receiver,
                                     const RangeSettings& settings) {
     const Geodetic place = earth::geodetic_from_ecef(earth::wgs84, receiver);
-    RangeEpoch one = now;
-    one.count = 1;
+    const std::vector<Range> begin = satellite_ranges(log, before), end = satellite_ranges(log, now);
     std::vector<Change> out;
-    for (std::size_t i = 0; i < now.count; ++i) {
-        one.first = now.first + i;
-        const RangeSample& m = log.samples[one.first];
+    for (const RangeSample& m : log.of(now)) {
         if (!(std::abs((now.time - before.time).seconds() - m.phase_span) < rounding)) continue;
-        RangeEpoch then = before;
-        while (then.count > 0 && log.samples[then.first].source != m.source) ++then.first, --then.count;
-        if (then.count == 0) continue;
-        then.count = 1;
-        const std::vector<Range> end = satellite_ranges(log, one), begin = satellite_ranges(log, then);
-        if (end.empty() || begin.empty()) continue;
-        const ModelledRange here = model_range(end.front(), receiver, place, nullptr, settings),
-                            there = model_range(begin.front(), receiver, place, nullptr, settings);
-        out.push_back({here.line_of_sight, end.front().range_rate * m.phase_span - (here.range - there.range),
+        const auto satellite = satellite_from(log.sources[m.source].name);
+        const auto of_it = [&](const Range& r) { return r.satellite == satellite; };
+        const auto first = std::ranges::find_if(begin, of_it), last = std::ranges::find_if(end, of_it);
+        if (first == begin.end() || last == end.end()) continue;
+        const ModelledRange here = model_range(*last, receiver, place, nullptr, settings),
+                            there = model_range(*first, receiver, place, nullptr, settings);
+        out.push_back({here.line_of_sight, last->range_rate * m.phase_span - (here.range - there.range),
                        noise_factor(here.direction.elevation, m.cn0)});
     }
     return out;

@@ -198,10 +198,12 @@ std::optional<Transmitter> PreciseSource::at(SatelliteId s, Signal signal, Time 
     const Eigen::Vector3d inertial =
         out.velocity + gps_earth_rate * Eigen::Vector3d(-out.position.r.y(), out.position.r.x(), 0.0);
     out.clock -= 2.0 * out.position.r.dot(inertial) / (speed_of_light * speed_of_light);
-    if (const Antenna* antenna = antennas_.of_satellite(s, t))
+    // Phase centres lie 0.5 to 3 m from the centres of mass, by the type of the satellite.
+    constexpr double sigma = 0.05, centre_of_mass = 1.5;  // m
+    const Antenna* antenna = antennas_.of_satellite(s, t);
+    if (antenna != nullptr)
         out.position.r += satellite_phase_centre(*antenna, frequency_of(s.system, signal.band), out.position, t);
-    constexpr double sigma = 0.05;  // m
-    out.variance = sigma * sigma;
+    out.variance = sigma * sigma + (antenna != nullptr ? 0.0 : centre_of_mass * centre_of_mass);
     return Transmitter{out, 0.0, 0};
 }
 

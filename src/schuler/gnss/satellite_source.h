@@ -59,7 +59,8 @@ public:
         Eigen::Vector3d position;  ///< m, Earth-fixed
         double clock;              ///< s, without the relativistic term; NaN if unknown
     };
-    /// Nodes of each satellite in time order, of the centres of mass if antennas are given; positions are those of the phase centres then.
+    /// Nodes of each satellite in time order, of the centres of mass; of satellites whose antenna is given, positions are those of the phase centres, of
+    /// others the difference is in the variance.
     explicit PreciseSource(std::vector<std::vector<Node>> nodes_by_satellite, Antennas antennas = {})
         : nodes_(std::move(nodes_by_satellite)), antennas_(std::move(antennas)) {
         nodes_.resize(satellite_count);

@@ -121,7 +121,7 @@ void place_base(const Input& input, Solution& out, WarningLog& warnings) {
         out.base = antenna_of(header, input.base->antenna_delta);
         out.place = PlaceOfBase::Header;
         warnings.add("base.position.header",
-                     fmt::format("the position of the base is that of its header, {}, whose error is in every "
+                     fmt::format("the position of the base is that stated in its log, {}, whose error is in every "
                                  "position (base.position overrides it)",
                                  place_text(out.base)));
     } else if (own) {

@@ -17,14 +17,14 @@ using Eigen::Vector3d;
 /// The receiver's clock, c times its error and its rate, as the ranges of an epoch show them from a known antenna.
 class ClockOfRanges {
 public:
-    void learn(const RangingLog& log, const filter::EarthFixedMotion& antenna) {
+    void learn(const RangingLog& log, const filter::EarthFixedMotion& antenna, const earth::Ellipsoid& ellipsoid) {
         if (log.epochs.size() == known_) return;
         known_ = log.epochs.size();
         gnss::RangeSettings without;
         without.ionosphere = gnss::IonosphereModel::None;
         without.troposphere = gnss::TroposphereModel::None;
         const Ecef place{antenna.r_e};
-        const Geodetic geodetic = earth::geodetic_from_ecef(earth::wgs84, place);
+        const Geodetic geodetic = earth::geodetic_from_ecef(ellipsoid, place);
         std::vector<double> clocks, drifts;
         for (const gnss::Range& r : gnss::satellite_ranges(log, log.epochs.back())) {
             const double clock = r.pseudorange - gnss::model_range(r, place, geodetic, nullptr, without).range,
@@ -75,7 +75,7 @@ RangingLog ranges_aided_by(const std::vector<SolutionRow>& rows, const earth::Ea
         aiding.P.diagonal() << row.std_position.cwiseAbs2(), row.std_velocity.cwiseAbs2();
         clock.fill(aiding);
         receiver.run(aiding, rows[k + 1].time, log);
-        clock.learn(log, aiding.antenna);
+        clock.learn(log, aiding.antenna, earth.ellipsoid);
     }
     return log;
 }

@@ -1,5 +1,7 @@
 #include "schuler/solution/coverage.h"
 
+#include "schuler/math/quantile.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -103,6 +105,13 @@ void Inside::add(bool is_inside) {
 
 double Inside::share() const {
     return epochs > 0 ? static_cast<double>(inside) / static_cast<double>(epochs) : std::numeric_limits<double>::quiet_NaN();
+}
+
+void leave_out_vague(std::vector<CheckFix>& fixes, const std::vector<double>& sigmas) {
+    constexpr double many = 10.0, least = 30.0;  // times the median; m
+    if (fixes.empty()) return;
+    const double limit = std::max(least, many * math::median(sigmas));
+    for (std::size_t i = 0; i < fixes.size(); ++i) fixes[i].good &= !(sigmas[i] > limit);
 }
 
 CheckWindows check_windows(std::span<const CheckFix> fixes, double from, double to, std::span<const fusion::Outage> outages) {

@@ -22,6 +22,9 @@ struct CheckFix {
     bool moving = true;  ///< the vehicle moved
 };
 
+/// A fix whose sigma (m, horizontal; NaN: not known) is ten times the usual one and 30 m or more would confirm any solution: no good one.
+void leave_out_vague(std::vector<CheckFix>& fixes, const std::vector<double>& sigmas);
+
 /// The fixes to withhold. Even and odd windows are withheld in separate runs, so that the distance between two windows of a run
 /// is at least three times their length.
 struct CheckWindows {

@@ -3,7 +3,6 @@
 #include "schuler/core/parallel.h"
 #include "schuler/core/units.h"
 #include "schuler/fusion/run_filter.h"
-#include "schuler/math/quantile.h"
 #include "schuler/math/rotation.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/solution/loaded_dataset.h"
@@ -38,14 +37,6 @@ public:
 private:
     const std::vector<SolutionRow>& rows_;
 };
-
-/// A fix of a much larger sigma than the log's fixes usually have would confirm any solution.
-void leave_out_vague(std::vector<CheckFix>& fixes, const std::vector<double>& sigmas) {
-    constexpr double many = 10.0, least = 30.0;  // times the median; m
-    if (fixes.empty()) return;
-    const double limit = std::max(least, many * math::median(sigmas));
-    for (std::size_t i = 0; i < fixes.size(); ++i) fixes[i].good &= !(sigmas[i] > limit);
-}
 
 /// Fixes of the undisturbed run with their status.
 std::vector<CheckFix> fixes_of(const LoadedDataset& data, const fusion::Result& result) {

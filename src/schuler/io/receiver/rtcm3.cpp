@@ -83,9 +83,7 @@ public:
     Rtcm3Log result;
 
 private:
-    void bad(std::size_t offset) {
-        if (result.records.bad++ == 0) result.records.first_bad_line = static_cast<long>(offset);
-    }
+    void bad(std::size_t offset) { result.records.count_bad(static_cast<long>(offset)); }
 
     void message(std::string_view payload, std::size_t offset) {
         if (payload.size() < 2) return;

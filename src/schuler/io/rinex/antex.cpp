@@ -127,24 +127,21 @@ AntexFile read_antex(const TextInput& input, WarningLog& log) {
     AntexFile file;
     std::optional<AntennaReader> antenna;
     long begun = 0;
-    const auto bad = [&] {
-        if (file.records.bad++ == 0) file.records.first_bad_line = begun;
-    };
     while (lines.next()) {
         const std::string_view line = lines.line();
         if (has_label(line, "START OF ANTENNA")) {
-            if (antenna) bad();
+            if (antenna) file.records.count_bad(begun);
             antenna.emplace();
             begun = lines.number();
         } else if (has_label(line, "END OF ANTENNA")) {
             if (antenna && antenna->add_to(file.antennas)) ++file.records.read;
-            else bad();
+            else file.records.count_bad(begun);
             antenna.reset();
         } else if (antenna) {
             antenna->read(line);
         }
     }
-    if (antenna) bad();
+    if (antenna) file.records.count_bad(begun);
     if (file.antennas.receivers.empty() && file.antennas.satellites.empty())
         throw input_error("there is no usable antenna", place_in(input.name(), file.records.first_bad_line),
                           "choose another file");

@@ -17,6 +17,10 @@ struct RecordCounts {
     std::size_t repeated = 0;  ///< epochs not later than the previous one, ephemerides already present: skipped
     std::size_t foreign = 0;   ///< of an unused kind: skipped
     long first_bad_line = 0;   ///< line (text) or byte (binary) of the first bad one
+
+    void count_bad(long place) {
+        if (bad++ == 0) first_bad_line = place;
+    }
 };
 
 enum class RinexKind { None, Observation, Navigation, CompactObservation };

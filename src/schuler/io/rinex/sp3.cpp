@@ -77,7 +77,7 @@ Sp3File read_sp3(const TextInput& input, WarningLog& log) {
         } else if (line.starts_with('P')) {
             good = t && position(line, *t, file);
         }
-        if (!good && file.records.bad++ == 0) file.records.first_bad_line = lines.number();
+        if (!good) file.records.count_bad(lines.number());
     }
     if (file.records.read == 0)
         throw input_error("there is no usable position", place_in(input.name(), file.records.first_bad_line),

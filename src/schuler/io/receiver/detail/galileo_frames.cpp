@@ -6,6 +6,22 @@
 #include <algorithm>
 
 namespace schuler::io::detail {
+namespace {
+
+void galileo_clock(Bits& b, gnss::KeplerEphemeris& k) {
+    k.af0 = scaled(b, 31, -34), k.af1 = scaled(b, 21, -46), k.af2 = scaled(b, 6, -59);
+}
+void galileo_harmonics(Bits& b, gnss::KeplerEphemeris& k) {
+    k.cuc = scaled(b, 16, -29), k.cus = scaled(b, 16, -29), k.crc = scaled(b, 16, -5), k.crs = scaled(b, 16, -5);
+}
+gnss::GalileoIonosphere galileo_ionosphere_of(Bits& b) {
+    gnss::GalileoIonosphere out;
+    out.a = {scaled_unsigned(b, 11, -2), scaled(b, 11, -8), scaled(b, 14, -15)};
+    b.skip(5);  // storms by region
+    return out;
+}
+
+}  // namespace
 
 bool FrameCollector::galileo_page(gnss::SatelliteId satellite, std::span<const std::uint32_t, 8> words, Time now) {
     BitWriter even, odd;
@@ -46,17 +62,14 @@ void FrameCollector::galileo_ephemeris(gnss::SatelliteId satellite, const Galile
     k.m0 = angle(one, 32, -31), k.e = scaled_unsigned(one, 32, -33), k.sqrt_a = scaled_unsigned(one, 32, -19);
     k.omega0 = angle(two, 32, -31), k.i0 = angle(two, 32, -31), k.omega = angle(two, 32, -31), k.idot = angle(two, 14, -43);
     k.omega_dot = angle(three, 24, -43), k.delta_n = angle(three, 16, -43);
-    k.cuc = scaled(three, 16, -29), k.cus = scaled(three, 16, -29), k.crc = scaled(three, 16, -5), k.crs = scaled(three, 16, -5);
+    galileo_harmonics(three, k);
     k.accuracy = galileo_accuracy(three.integer(8));
     if (four.integer(6) != satellite.number) return;
     k.cic = scaled(four, 16, -29), k.cis = scaled(four, 16, -29);
     const double toc = 60.0 * static_cast<double>(four.take(14));
-    k.af0 = scaled(four, 31, -34), k.af1 = scaled(four, 21, -46), k.af2 = scaled(four, 6, -59);
+    galileo_clock(four, k);
     five.skip(6);
-    gnss::GalileoIonosphere ionosphere;
-    ionosphere.a = {scaled_unsigned(five, 11, -2), scaled(five, 11, -8), scaled(five, 14, -15)};
-    navigation_.galileo_ionosphere = ionosphere;
-    five.skip(5);
+    navigation_.galileo_ionosphere = galileo_ionosphere_of(five);
     k.group_delay = {scaled(five, 10, -32), scaled(five, 10, -32)};
     const int health_e5b = five.integer(2), health_e1 = five.integer(2), valid_e5b = five.integer(1), valid_e1 = five.integer(1);
     k.health = galileo_health(valid_e1, health_e1, valid_e5b, health_e5b);
@@ -97,12 +110,9 @@ void FrameCollector::fnav_ephemeris(gnss::SatelliteId satellite, const FnavPages
     for (Bits* b : {&two, &three, &four})
         if (b->integer(issue_bits) != k.iode) return;
     const double toc = 60.0 * static_cast<double>(one.take(14));
-    k.af0 = scaled(one, 31, -34), k.af1 = scaled(one, 21, -46), k.af2 = scaled(one, 6, -59);
+    galileo_clock(one, k);
     k.accuracy = galileo_accuracy(one.integer(8));
-    gnss::GalileoIonosphere ionosphere;
-    ionosphere.a = {scaled_unsigned(one, 11, -2), scaled(one, 11, -8), scaled(one, 14, -15)};
-    navigation_.galileo_ionosphere = ionosphere;
-    one.skip(5);
+    navigation_.galileo_ionosphere = galileo_ionosphere_of(one);
     k.group_delay[0] = scaled(one, 10, -32);
     const int health = one.integer(2), week = one.integer(12);
     const double sent = static_cast<double>(one.take(20));
@@ -110,7 +120,7 @@ void FrameCollector::fnav_ephemeris(gnss::SatelliteId satellite, const FnavPages
     k.m0 = angle(two, 32, -31), k.omega_dot = angle(two, 24, -43), k.e = scaled_unsigned(two, 32, -33);
     k.sqrt_a = scaled_unsigned(two, 32, -19), k.omega0 = angle(two, 32, -31), k.idot = angle(two, 14, -43);
     k.i0 = angle(three, 32, -31), k.omega = angle(three, 32, -31), k.delta_n = angle(three, 16, -43);
-    k.cuc = scaled(three, 16, -29), k.cus = scaled(three, 16, -29), k.crc = scaled(three, 16, -5), k.crs = scaled(three, 16, -5);
+    galileo_harmonics(three, k);
     const double toe = 60.0 * static_cast<double>(three.take(14));
     k.cic = scaled(four, 16, -29), k.cis = scaled(four, 16, -29);
     const Time transmitted = from_week_count(satellite.system, week, 4096, sent, now);

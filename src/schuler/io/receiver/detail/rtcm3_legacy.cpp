@@ -12,8 +12,6 @@ namespace {
 using gnss::Signal;
 using gnss::System;
 
-constexpr double light_ms = gnss::speed_of_light * 1e-3;  // m in a millisecond
-
 /// Sizes of fields that differ between the systems, and the signals of their code indicators.
 struct LegacySystem {
     std::size_t time, range, ambiguity;
@@ -22,15 +20,9 @@ struct LegacySystem {
     std::array<Signal, 4> second;
 };
 constexpr LegacySystem fields_of_gps{
-    30, 24, 8, light_ms, {{{'1', 'C'}, {'1', 'P'}}}, {{{'2', 'X'}, {'2', 'P'}, {'2', 'D'}, {'2', 'W'}}}};
+    30, 24, 8, metres_per_ms, {{{'1', 'C'}, {'1', 'P'}}}, {{{'2', 'X'}, {'2', 'P'}, {'2', 'D'}, {'2', 'W'}}}};
 constexpr LegacySystem fields_of_glonass{
-    27, 25, 7, 2.0 * light_ms, {{{'1', 'C'}, {'1', 'P'}}}, {{{'2', 'C'}, {'2', 'P'}, {'2', 'C'}, {'2', 'P'}}}};
-
-/// A signed field in units of `scale`; NaN for the most negative value, which means none.
-double legacy_field(Bits& bits, std::size_t size, double scale) {
-    const std::int64_t raw = bits.take_signed(size);
-    return raw == -(std::int64_t{1} << (size - 1)) ? NAN : static_cast<double>(raw) * scale;
-}
+    27, 25, 7, 2.0 * metres_per_ms, {{{'1', 'C'}, {'1', 'P'}}}, {{{'2', 'C'}, {'2', 'P'}, {'2', 'C'}, {'2', 'P'}}}};
 
 constexpr double metres_of_range = 0.02, metres_of_phase = 0.0005, db_of_cn0 = 0.25;
 
@@ -76,14 +68,14 @@ Decoded LegacyObservations::read(std::string_view payload, int number, Time now,
             if (channel <= 6) channels.of_slot[satellite.number] = static_cast<std::int8_t>(channel);
         }
         first.range = static_cast<double>(bits.take(system.range)) * metres_of_range;
-        first.phase = legacy_field(bits, 20, metres_of_phase);
+        first.phase = metres_of_phase * field_or_none(bits, 20);
         first.lock = bits.integer(7);
         first.range += static_cast<double>(bits.take(system.ambiguity)) * system.modulus;
         first.cn0 = static_cast<double>(bits.take(8)) * db_of_cn0;
         if (two) {
             second.signal = system.second[bits.take(2)];
-            second.range = first.range + legacy_field(bits, 14, metres_of_range);
-            second.phase = legacy_field(bits, 20, metres_of_phase);
+            second.range = first.range + metres_of_range * field_or_none(bits, 14);
+            second.phase = metres_of_phase * field_or_none(bits, 20);
             second.lock = bits.integer(7);
             second.cn0 = static_cast<double>(bits.take(8)) * db_of_cn0;
         }

@@ -3,7 +3,9 @@
 
 #include "schuler/gnss/ephemeris.h"
 #include "schuler/gnss/observation.h"
+#include "schuler/io/detail/bits.h"
 
+#include <limits>
 #include <map>
 #include <optional>
 #include <string_view>
@@ -13,6 +15,14 @@
 namespace schuler::io::detail {
 
 enum class Decoded { Used, Foreign, Damaged };
+
+inline constexpr double metres_per_ms = gnss::speed_of_light * 1e-3;
+
+/// A signed field as a whole number; NaN for the most negative value, which means that there is none.
+[[nodiscard]] inline double field_or_none(Bits& bits, std::size_t size) {
+    const std::int64_t raw = bits.take_signed(size);
+    return raw == -(std::int64_t{1} << (size - 1)) ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(raw);
+}
 
 /// Ephemeris of a message, added if new. `now` is within half a week.
 [[nodiscard]] Decoded rtcm3_ephemeris(std::string_view payload, int number, Time now, gnss::Navigation& navigation);

@@ -11,8 +11,6 @@ namespace {
 using gnss::Signal;
 using gnss::System;
 
-constexpr double metres_per_ms = gnss::speed_of_light * 1e-3;
-
 struct Family {
     System system;
     /// Signals of mask places 1 to 32, two characters each, dots where reserved [RTCM10403:tables 3.5-91 to 3.5-108].
@@ -59,10 +57,7 @@ Layout layout_of(int type) {
             fine ? -31 : -29};
 }
 
-double field(Bits& bits, std::size_t size, int scale) {
-    const std::int64_t raw = bits.take_signed(size);
-    return raw == -(std::int64_t{1} << (size - 1)) ? NAN : std::ldexp(static_cast<double>(raw), scale);
-}
+double field(Bits& bits, std::size_t size, int scale) { return std::ldexp(field_or_none(bits, size), scale); }
 
 std::vector<SatelliteData> satellites(Bits& bits, std::size_t count, const Layout& layout) {
     std::vector<SatelliteData> all(count);
