@@ -113,8 +113,7 @@ void judge_clock(Study& study) {
     const double sought = best->known ? best->known->shift : best->peak.shift;
     if (study.overlap && sought > earliest_lag && sought < latest_lag) return;
     // A few seconds in which the IMU is shaken or its record spoilt agree with any manoeuvre, or hide that the times agree as they
-    // are while a repeated manoeuvre agrees better: the rest of the log must not object. A shift within one manoeuvre agrees partly with
-    // none.
+    // are while a repeated manoeuvre agrees better: the rest of the log must not object. (Shifts within one manoeuvre all agree in part.)
     constexpr double manoeuvre = 10.0;  // s
     if (study.overlap && std::abs(best->peak.shift) > manoeuvre) {
         const ClockScan ranks = scan_clocks(study.imu, study.gnss, study.gravity, ScanOf::Ranks, best->peak.shift);
