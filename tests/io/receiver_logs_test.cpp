@@ -223,9 +223,9 @@ TEST_F(ReceiverLogs, UbxFramesOfOtherCarriersAgreeWithThoseOfTheFirst) {
             }
             if (a.message == NavMessage::Cnav && b.message == NavMessage::Lnav) {
                 ++gps;
-                EXPECT_LT((one.position.r - other.position.r).norm(), 5.0) << gnss::name_of(a.satellite);
+                EXPECT_LT((one.position.r - other.position.r).norm(), 1.0) << gnss::name_of(a.satellite);
                 EXPECT_LT((one.velocity - other.velocity).norm(), 1e-3);
-                EXPECT_NEAR(clock(one, a), clock(other, b), 3.0);
+                EXPECT_NEAR(clock(one, a), clock(other, b), 0.5);
             }
         }
     }

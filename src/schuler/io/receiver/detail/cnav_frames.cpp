@@ -58,7 +58,7 @@ void FrameCollector::cnav_ephemeris(gnss::SatelliteId satellite, const CnavMessa
     constexpr int l1_and_l2 = 6;  // L5 is marked as unusable until its system is complete
     k.health = ten.integer(3) & l1_and_l2;
     const auto predicted = ten.take(11);
-    k.accuracy = cnav_accuracy(static_cast<int>(ten.take_signed(5)));
+    const double of_orbit = cnav_accuracy(static_cast<int>(ten.take_signed(5)));
     const int toe = ten.integer(11);
     constexpr double reference = 26'559'710.0;  // m, of the semi-major axis
     k.sqrt_a = std::sqrt(reference + scaled(ten, 26, -9));
@@ -73,7 +73,8 @@ void FrameCollector::cnav_ephemeris(gnss::SatelliteId satellite, const CnavMessa
     k.crs = scaled(eleven, 24, -8), k.crc = scaled(eleven, 24, -8);
     k.cus = scaled(eleven, 21, -30), k.cuc = scaled(eleven, 21, -30);
     if (clock.take(11) != predicted) return;
-    clock.skip(11);  // accuracy of the clock
+    k.accuracy = std::hypot(of_orbit, cnav_accuracy(static_cast<int>(clock.take_signed(5))));
+    clock.skip(6);  // growth of the clock's accuracy
     const double toc = 300.0 * static_cast<double>(clock.take(11));
     k.af0 = scaled(clock, 26, -35), k.af1 = scaled(clock, 20, -48), k.af2 = scaled(clock, 10, -60);
     constexpr std::size_t before_delays = 127;
