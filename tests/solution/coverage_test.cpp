@@ -41,10 +41,13 @@ TEST(Coverage, FixesOfVagueSigmasJudgeNothing) {
     std::vector<CheckFix> fixes = fixes_every(1.0, 9.0);
     leave_out_vague(fixes, {0.02, 0.02, 2.0, 29.0, 31.0, 0.02, NAN, 3e4, 0.02, 0.02});
     for (std::size_t i = 0; i < fixes.size(); ++i) EXPECT_EQ(fixes[i].good, i != 4 && i != 7) << i;
-    // a receiver that is usually vague
-    fixes = fixes_every(1.0, 3.0);
-    leave_out_vague(fixes, {10.0, 10.0, 99.0, 101.0});
+    // a receiver that is usually vague, and states no sigma now and then
+    fixes = fixes_every(1.0, 6.0);
+    leave_out_vague(fixes, {NAN, 10.0, 99.0, 101.0, 10.0, NAN, 10.0});
     for (std::size_t i = 0; i < fixes.size(); ++i) EXPECT_EQ(fixes[i].good, i != 3) << i;
+    fixes = fixes_every(1.0, 1.0);
+    leave_out_vague(fixes, {NAN, NAN});
+    EXPECT_TRUE(fixes[0].good && fixes[1].good);
 }
 
 TEST(Coverage, WindowsAvoidOutagesAndBadFixes) {
