@@ -51,6 +51,9 @@ KEYS = {
     "baro.white_m": "4", "gnss.lever_arm_m": "[1, 2, -3]", "gnss.latency_std_s": "0.1", "gnss.correlated_m": "[2, 2, 3]",
     "gnss.consider_errors": "true", "gnss.elevation_mask_deg": "33", "ranges.white_m": "9", "ranges.correlated_m": "7",
     "ranges.use_rates": "false", "ranges.receiver_acceleration_m_s_sqrt_s": "9", "ranges.clock_h0_s": "1e-15", "odometer.std_m_s": "3",
+    "gnss.latency_s": "0.2", "gnss.height_latency_s": "0.2", "gnss.jitter_s": "0.02", "gnss.std_scale": "3", "gnss.std_floor_m": "[9, 9, 9]",
+    "gnss.change_white_m": "[3, 3, 3]", "gnss.use_velocity": "false", "filter.detect_wheels": "true", "ranges.intersystem_m": "9", "ranges.network_m": "9",
+    "compass.white_deg": "3", "imu.found_mounting_std_deg": "1", "gravity.model": '"ramp"',
     "heading.std_deg": "7", "output.lever_arm_m": "[5, 0, 0]", "vehicle.kind": '"air"',
 }
 

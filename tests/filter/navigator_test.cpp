@@ -138,6 +138,8 @@ TEST(Navigator, RefusesBadSamplesUnharmed) {
             refused([](GnssFix& f) { f.velocity_n.x() = std::numeric_limits<double>::infinity(); }, FeedStatus::BadValue);
             refused([](GnssFix& f) { f.std_position.y() = -1.0; }, FeedStatus::BadValue);
             refused([](GnssFix& f) { f.std_velocity.z() = 1e30; }, FeedStatus::BadValue);
+            refused([](GnssFix& f) { f.std_position.x() = 1e-9; }, FeedStatus::BadValue);
+            refused([](GnssFix& f) { f.std_velocity.y() = 1e-12; }, FeedStatus::BadValue);
             refused([](GnssFix& f) { f.position_age = nan; }, FeedStatus::BadValue);
             refused([](GnssFix& f) { f.time = f.time - Duration{3'000'000'000}; }, FeedStatus::Late);
             refused([](GnssFix& f) { f.time = f.time + Duration{60'000'000'000}; }, FeedStatus::TooFarAhead);
@@ -145,6 +147,8 @@ TEST(Navigator, RefusesBadSamplesUnharmed) {
             EXPECT_EQ(disturbed.feed(MagSample{now, Vector3d::Zero()}), FeedStatus::BadValue);
             EXPECT_EQ(disturbed.feed(OdometerSample{now, 10.0, -2.0}), FeedStatus::BadValue);
             EXPECT_EQ(disturbed.feed(HeadingSample{now, 1e9, 0.1}), FeedStatus::BadValue);
+            EXPECT_EQ(disturbed.feed(OdometerSample{now, 10.0, 1e-12}), FeedStatus::BadValue);
+            EXPECT_EQ(disturbed.feed(HeadingSample{now, 1.0, 1e-9}), FeedStatus::BadValue);
             EXPECT_EQ(disturbed.feed(GaugeSample{now, Vector3d(nan, 1e9, 0.0)}), FeedStatus::BadValue);
             EXPECT_EQ(disturbed.feed(GaugeSample{now, Vector3d::Constant(nan)}), FeedStatus::BadValue);
             EXPECT_EQ(disturbed.feed(BodyVelocitySample{now, Vector3d(nan, 0.0, 0.0)}), FeedStatus::BadValue);

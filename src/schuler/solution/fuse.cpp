@@ -10,12 +10,17 @@
 #include "schuler/solution/load_ranges.h"
 #include "schuler/solution/loaded_dataset.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <functional>
 #include <iterator>
 #include <set>
+#include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 namespace schuler::solution {
 namespace {
@@ -46,6 +51,31 @@ void aid_loops(ResultBundle& bundle, const fusion::Settings& settings) {
     take_fixes_from_ranges(bundle.data);
 }
 
+/// States that the simulated sensors have errors for and the named preset has not.
+void tell_what_preset_lacks(const settings::Config& c, const std::set<std::string>& given, WarningLog& warnings) {
+    if (!given.contains("filter.preset") || settings::coupling_of_preset(c.preset)) return;
+    const sensor::ImuErrorModel& imu = c.filter.imu.errors;
+    std::vector<std::string_view> lacking;
+    const auto check = [&](const char* key, bool used, double error) {
+        if (!used && error > 0.0 && !given.contains(key)) lacking.emplace_back(key);
+    };
+    check("filter.scale_factors", c.filter.scale_factors, std::max(imu.gyro_scale, imu.accel_scale));
+    check("filter.misalignments", c.filter.misalignments, std::max(imu.gyro_misalignment, imu.accel_misalignment));
+    if (!lacking.empty())
+        warnings.add(
+            "filter.preset.lacks",
+            fmt::format(
+                "filter.preset = \"{}\" switches off {}, and the unit has such errors; to estimate them, set these beside "
+                "the preset",
+                c.preset, fmt::join(lacking, " and ")));
+    const sensor::GnssErrorModel& g = c.filter.gnss.errors;
+    if (c.preset == "complex22" && g.correlated_position.isZero(0.0) && g.correlated_velocity.isZero(0.0))
+        warnings.add(
+            "filter.preset.slow",
+            "filter.preset = \"complex22\" has no states for slow errors of the receiver here, because the scenario gives none "
+            "(gnss.correlated_m, gnss.correlated_velocity_m_s)");
+}
+
 }  // namespace
 
 ResultBundle simulated_bundle(const settings::ScenarioConfig& scenario, const settings::SettingList& over, WarningLog& warnings,
@@ -59,6 +89,10 @@ ResultBundle simulated_bundle(const settings::ScenarioConfig& scenario, const se
     std::set<std::string> given;
     for (const settings::SettingList* list : {&std::as_const(simulated.settings), &over})
         for (const settings::Setting& s : *list) given.insert(s.key);
+    std::set<std::string> by_user;
+    for (const settings::SettingList* list : {&described.assumed, &over})
+        for (const settings::Setting& s : *list) by_user.insert(s.key);
+    tell_what_preset_lacks(config, by_user, warnings);
     ResultBundle bundle;
     bundle.name = config.name;
     bundle.seed = simulated.seed;

@@ -70,6 +70,31 @@ std::string why_preset_is_overruled(const settings::Config& c) {
     return unless(c.preset != "ins21" || c.filter.scale_factors, "filter.scale_factors is given too, and off");
 }
 
+/// Whether the set of satellites is known to change.
+bool satellites_change(const ResultBundle& b) {
+    const auto another = [](const GnssFix& a, const GnssFix& c) {
+        return a.satellites >= 0 && c.satellites >= 0 && a.satellites != c.satellites;
+    };
+    return !b.data.config.filter.gnss.constellation_changes.empty() ||
+           std::ranges::adjacent_find(b.data.recording.gnss, another) != b.data.recording.gnss.end();
+}
+
+struct SourceKinds {
+    std::size_t systems = 0;  ///< satellite systems
+    bool stations = false;
+};
+
+SourceKinds kinds_of_sources(const ResultBundle& b) {
+    SourceKinds kinds;
+    std::set<char> systems;
+    for (const RangeSource& source : b.data.recording.ranges.sources) {
+        kinds.stations = kinds.stations || source.station;
+        if (!source.station && !source.name.empty()) systems.insert(source.name.front());
+    }
+    kinds.systems = systems.size();
+    return kinds;
+}
+
 constexpr const char* start_alone = "; it is used for the initial alignment only";
 
 std::vector<Rule> inertial_rules(const ResultBundle& b) {
@@ -82,50 +107,60 @@ std::vector<Rule> inertial_rules(const ResultBundle& b) {
     const auto but_for_start = [&](bool effect, const char* reason) {
         return unless(effect, std::string(reason) + (f.initial.rpy.allFinite() ? "" : start_alone));
     };
-    return {{{"filter.aggressive_parts"},
-             unless(f.loose_kind == fusion::LooseKind::Aggressive, "filter.loose is not \"aggressive\"")},
-            {{"gnss.consider_errors"}, but_for_start(c.scheme == settings::Scheme::Loose, "the scheme is not \"loose\"")},
-            {{"gnss.consider_errors"},
-             unless(!f.gnss.errors.correlated_position.isZero(0.0) || !f.gnss.errors.correlated_velocity.isZero(0.0),
-                    "the fixes have no slow errors (gnss.correlated_m, gnss.correlated_velocity_m_s)")},
-            {{"filter.separate."}, unless(c.scheme == settings::Scheme::Separate, "the scheme is not \"separate\"")},
-            {{"filter.integrity."},
-             tight ? "it watches a receiver's fixes; ranges are watched by filter.protection"
-                   : unless(f.integrity.use, "filter.integrity.use is not on")},
-            {{"filter.preset"}, why_preset_is_overruled(c)},
-            {{"filter.loose"}, unless(c.scheme == settings::Scheme::Loose, "the scheme is not \"loose\"")},
-            {{"filter.loop"},
-             unless(c.scheme != settings::Scheme::Separate,
-                    "the corrections of the separate scheme are its coupling: the loop is closed")},
-            {{"filter.protection."},
-             unless(tight && f.ranging.protection.use, "it belongs to tight coupling with filter.protection.use")},
-            {{"filter.feedback_"}, unless(f.loop == fusion::Loop::Mixed, "filter.loop is not \"mixed\"")},
-            {{"filter.nonholonomic_std_", "filter.constraint_rate_hz"},
-             unless(f.aids.nonholonomic || f.aids.nonholonomic_auto, "the vehicle constraint is not used")},
-            {{"filter.zero_velocity_std_m_s", "filter.zero_rate_std_deg_s"},
-             unless(f.aids.zero_velocity, "filter.zero_velocity is off")},
-            {{"filter.zero_", "filter.nonholonomic", "filter.detect_wheels", "filter.constraint_rate_hz", "filter.floor_", "mag.",
-              "odometer.", "heading.", "compass.", "gauges.", "log.", "vehicle.leeway_deg"},
-             but_for_start(!separate, "the separate scheme is corrected by position, velocity and height alone")},
-            {{"imu.mounting_std_deg"}, unless(!separate, "the separate scheme uses no motion of the vehicle")},
-            {{"gnss.use_velocity", "gnss.latency_std_s", "gnss.velocity_latency_std_s", "gnss.correlated_", "gnss.change_"},
-             but_for_start(!tight, "the coupling takes ranges instead of fixes")},
-            {{"filter.zero_velocity_std_m_s", "filter.zero_rate_std_deg_s"},
-             unless(std::ranges::any_of(b.result.aids, [](const auto& r) { return r.kind == fusion::AidKind::ZeroVelocity; }),
-                    "no standstill was found")},
-            {{"ranges.receiver_acceleration_m_s_sqrt_s"},
-             unless(c.scheme == settings::Scheme::Intermediate, "the scheme is not \"intermediate\"")},
-            {{"ranges.white_m"},
-             unless(!tight || !ranges_state_all(b.data.recording.ranges, &RangeSample::std),
-                    "the log states the sigmas of all ranges")},
-            {{"ranges.rate_m_s"},
-             unless(!tight || !ranges_state_all(b.data.recording.ranges, &RangeSample::std_rate),
-                    "the log states the sigmas of all rates")},
-            {{"ranges.use_stations"},
-             unless(std::ranges::any_of(b.data.recording.ranges.sources, &RangeSource::station), "there are no ground stations")},
-            {{"ranges."}, unless(tight || (c.gnss.file.empty() && !b.data.recording.ranges.empty()), "no ranges are used")},
-            {{"filter.self_check"}, unless(b.command == "process", "it belongs to `schuler process`")},
-            {{"gravity.", "anomaly."}, "it belongs to `schuler gravity`"}};
+    return {
+        {{"filter.aggressive_parts"},
+         unless(f.loose_kind == fusion::LooseKind::Aggressive, "filter.loose is not \"aggressive\"")},
+        {{"gnss.consider_errors"}, but_for_start(c.scheme == settings::Scheme::Loose, "the scheme is not \"loose\"")},
+        {{"gnss.consider_errors"},
+         unless(!f.gnss.errors.correlated_position.isZero(0.0) || !f.gnss.errors.correlated_velocity.isZero(0.0),
+                "the fixes have no slow errors (gnss.correlated_m, gnss.correlated_velocity_m_s)")},
+        {{"filter.separate."}, unless(c.scheme == settings::Scheme::Separate, "the scheme is not \"separate\"")},
+        {{"filter.integrity."},
+         tight ? "it watches a receiver's fixes; ranges are watched by filter.protection"
+               : unless(f.integrity.use, "filter.integrity.use is not on")},
+        {{"filter.preset"}, why_preset_is_overruled(c)},
+        {{"filter.loose"}, unless(c.scheme == settings::Scheme::Loose, "the scheme is not \"loose\"")},
+        {{"filter.loop"},
+         unless(c.scheme != settings::Scheme::Separate,
+                "the corrections of the separate scheme are its coupling: the loop is closed")},
+        {{"filter.protection."},
+         unless(tight && f.ranging.protection.use, "it belongs to tight coupling with filter.protection.use")},
+        {{"filter.feedback_"}, unless(f.loop == fusion::Loop::Mixed, "filter.loop is not \"mixed\"")},
+        {{"filter.nonholonomic_std_", "filter.constraint_rate_hz"},
+         unless(f.aids.nonholonomic || f.aids.nonholonomic_auto, "the vehicle constraint is not used")},
+        {{"filter.zero_velocity_std_m_s", "filter.zero_rate_std_deg_s"},
+         unless(f.aids.zero_velocity, "filter.zero_velocity is off")},
+        {{"filter.zero_", "filter.nonholonomic", "filter.detect_wheels", "filter.constraint_rate_hz", "filter.floor_", "mag.",
+          "odometer.", "heading.", "compass.", "gauges.", "log.", "vehicle.leeway_deg"},
+         but_for_start(!separate, "the separate scheme is corrected by position, velocity and height alone")},
+        {{"imu.mounting_std_deg"}, unless(!separate, "the separate scheme uses no motion of the vehicle")},
+        {{"gnss.latency_", "gnss.velocity_latency_", "gnss.height_latency_s", "gnss.velocity_down_latency_s", "gnss.jitter_s",
+          "gnss.correlated_", "gnss.change_", "gnss.std_", "gnss.velocity_std_scale"},
+         but_for_start(!tight, "the coupling takes ranges instead of fixes")},
+        {{"gnss.change_white_"},
+         unless(satellites_change(b), "the log shows no change of the satellites (gnss.constellation_change_s gives them)")},
+        {{"filter.detect_wheels"},
+         unless(f.vehicle != fusion::VehicleKind::Car || !f.aids.nonholonomic, "a car has the vehicle constraint without it")},
+        {{"ranges.network_m"},
+         unless(kinds_of_sources(b).stations && kinds_of_sources(b).systems > 0,
+                "the ranges are not of both satellites and stations")},
+        {{"ranges.intersystem_m"}, unless(kinds_of_sources(b).systems > 1, "the ranges are those of one satellite system")},
+        {{"filter.zero_velocity_std_m_s", "filter.zero_rate_std_deg_s"},
+         unless(std::ranges::any_of(b.result.aids, [](const auto& r) { return r.kind == fusion::AidKind::ZeroVelocity; }),
+                "no standstill was found")},
+        {{"ranges.receiver_acceleration_m_s_sqrt_s"},
+         unless(c.scheme == settings::Scheme::Intermediate, "the scheme is not \"intermediate\"")},
+        {{"ranges.white_m"},
+         unless(!tight || !ranges_state_all(b.data.recording.ranges, &RangeSample::std),
+                "the log states the sigmas of all ranges")},
+        {{"ranges.rate_m_s"},
+         unless(!tight || !ranges_state_all(b.data.recording.ranges, &RangeSample::std_rate),
+                "the log states the sigmas of all rates")},
+        {{"ranges.use_stations"},
+         unless(std::ranges::any_of(b.data.recording.ranges.sources, &RangeSource::station), "there are no ground stations")},
+        {{"ranges."}, unless(tight || (c.gnss.file.empty() && !b.data.recording.ranges.empty()), "no ranges are used")},
+        {{"filter.self_check"}, unless(b.command == "process", "it belongs to `schuler process`")},
+        {{"gravity.", "anomaly."}, "it belongs to `schuler gravity`"}};
 }
 
 /// Settings disabled by gravimetry::gravity27 in `schuler gravity`. Without [initial], a prior run uses them to find the start.
@@ -138,8 +173,7 @@ std::vector<Rule> gravity_rules(const ResultBundle& b) {
         {{"filter.preset"}, unless(c.preset == "gravity27", by_survey("gravimetry has states of its own, those of gravity27"))},
         {{"filter.loose", "filter.aggressive_parts", "filter.separate.", "filter.protection.", "gnss.consider_errors"},
          by_survey("gravimetry is loosely coupled and uses each fix at its time")},
-        {{"filter.mechanization"},
-         unless(c.filter.mechanization == fusion::Mechanization::Ecef, by_survey("gravimetry is Earth-fixed"))},
+        {{"filter.mechanization"}, by_survey("gravimetry is Earth-fixed")},
         {{"filter.smooth"}, by_survey("gravity.smooth switches the smoother of gravimetry")},
         {{"filter.integrity."}, by_survey("gravimetry does not exclude the receiver")},
         {{"filter.zero_", "filter.nonholonomic", "filter.detect_wheels", "filter.constraint_rate_hz", "odometer."},
@@ -180,6 +214,12 @@ std::vector<Rule> sensor_rules(const ResultBundle& b) {
          unless(mag || !f.mag.use, "no magnetometer is used")},
         {{"odometer."}, unless(f.odometer.use && !r.odometer.empty(), "no odometer is used")},
         {{"heading."}, unless(f.heading.use && !r.heading.empty(), "no heading sensor is used")},
+        {{"heading.std_deg"},
+         unless(!std::ranges::all_of(r.heading, [](const HeadingSample& h) { return h.std > 0.0; }),
+                "the log states the sigmas of all headings")},
+        {{"odometer.std_m_s"},
+         unless(!std::ranges::all_of(r.odometer, [](const OdometerSample& o) { return o.std > 0.0; }),
+                "the log states the sigmas of all speeds")},
         {{"heading.std_deg", "heading.offset_deg"},
          unless(!f.heading.by_course, "the course takes the place of a heading sensor")},
         {{"vehicle.leeway_deg"},
@@ -187,7 +227,7 @@ std::vector<Rule> sensor_rules(const ResultBundle& b) {
                 "the course is used for ships without a heading sensor that make a metre per second or more")},
         {{"gauges."}, unless(!r.gauges.empty(), "no gauges are used")},
         {{"log."}, unless(!r.body_velocity.empty(), "no log of velocity is used")},
-        {{"compass."}, unless(f.heading.use && !r.heading.empty(), "no compass is used")},
+        {{"compass."}, unless(f.heading.use && !r.heading.empty() && !c.aids.compass.file.empty(), "no compass is used")},
         {{"gnss.observations", "gnss.navigation"},
          unless(raw || !c.ranges.file.empty(), "gnss.file gives the fixes, and the coupling is loose")},
         {{"gnss.elevation_mask_deg", "gnss.ionosphere", "gnss.troposphere"},
@@ -267,17 +307,21 @@ std::vector<Ignored> ignored_of(const ResultBundle& b, const std::set<std::strin
                                        "gnss.velocity_std_scale",
                                        "gnss.jitter_s",
                                        "gnss.found_lever_arm_std_m",
+                                       "gnss.height_latency_s",
+                                       "gravity.",
                                        "gnss.estimate_",
                                        "imu.gyro_",
                                        "imu.accel_",
                                        "imu.estimate_",
                                        "imu.mounting_",
+                                       "imu.found_mounting_",
                                        "initial."},
                                       "the scheme is \"gnss\": there is no filter"}});
     else if (b.command != "gravity") std::ranges::move(inertial_rules(b), std::back_inserter(rules));
     std::vector<Ignored> ignored;
     for (const std::string& key : given) {
-        if ((key == "filter.scheme" && b.command != "gravity") || !differs(key)) continue;
+        const bool contrary = key == "filter.smooth" && b.command == "gravity";  // its default is the smoother
+        if ((key == "filter.scheme" && b.command != "gravity") || (!contrary && !differs(key))) continue;
         const auto rule = std::ranges::find_if(rules, [&](const Rule& r) {
             return !r.reason.empty() && std::ranges::any_of(r.keys, [&](std::string_view k) { return key.starts_with(k); });
         });

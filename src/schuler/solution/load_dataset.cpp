@@ -7,6 +7,7 @@
 #include "schuler/dataset/paths.h"
 #include "schuler/dataset/ranges.h"
 #include "schuler/dataset/read_files.h"
+#include "schuler/dataset/stated_sigmas.h"
 #include "schuler/dataset/time_axis.h"
 #include "schuler/io/raw_input.h"
 #include "schuler/io/streams.h"
@@ -315,6 +316,7 @@ LoadedDataset load_dataset(const settings::Dataset& dataset, const settings::Con
     leave_out_velocities(out);
     settle_times(out);
     settle_odometer(out, warnings);
+    dataset::check_stated_sigmas(out.recording, warnings);
     tell_idle_outages(out, warnings);
     settle_events(out, dataset.folder);
     dataset::check_gravity_shows(out.recording.imu, out.config.filter.imu.kind, dataset.folder, out.config);

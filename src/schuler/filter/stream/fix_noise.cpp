@@ -1,5 +1,7 @@
 #include "schuler/filter/stream/fix_noise.h"
 
+#include "schuler/core/least_sigmas.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -11,7 +13,9 @@ double white_part(double stated, double slow) {
     return stated > slow ? std::max(std::sqrt(stated * stated - slow * slow), 0.1 * stated) : stated;
 }
 
-bool is_stated(double sigma) { return std::isfinite(sigma) && sigma > 0.0; }
+// Positions and velocities have the same limit.
+static_assert(least_sigma::position == least_sigma::velocity);
+bool is_stated(double sigma) { return std::isfinite(sigma) && sigma >= least_sigma::position; }
 
 FixNoise noise_of(const GnssFix& fix, const GnssSettings& settings) {
     constexpr double floor_velocity = 0.005;  // m/s

@@ -7,7 +7,7 @@
 
 namespace schuler::filter {
 
-/// True if a stated sigma is valid: finite and positive.
+/// True if a stated sigma (m or m/s) is one that a receiver can have.
 [[nodiscard]] bool is_stated(double sigma);
 
 /// White part of the total sigma stated in a log, if the slow part is a state (both in one unit).

@@ -1,6 +1,8 @@
 // Acceptance of samples by a stream: rejected and pending samples. Members of StreamTimeline.
 
 #include "schuler/filter/stream/stream_timeline.h"
+
+#include "schuler/core/least_sigmas.h"
 #include "schuler/filter/update/range_update.h"
 
 #include <algorithm>
@@ -23,11 +25,14 @@ constexpr std::int64_t most_ns = 4'000'000'000'000'000'000;  // a century either
 bool is_bad(Time time) { return time.ns > most_ns || time.ns < -most_ns; }
 bool is_bad(double value, double most) { return !(std::abs(value) <= most); }
 bool is_bad_if_stated(double value, double most) { return !std::isnan(value) && is_bad(value, most); }
-bool is_bad_sigma(double sigma) { return !std::isnan(sigma) && !(sigma >= 0.0 && sigma <= 1e6); }
+/// Zero: none is stated.
+bool is_bad_sigma(double sigma, double least) { return !std::isnan(sigma) && sigma != 0.0 && !(sigma >= least && sigma <= 1e6); }
 bool has_bad(const Vector3d& v, double most) {
     return is_bad_if_stated(v.x(), most) || is_bad_if_stated(v.y(), most) || is_bad_if_stated(v.z(), most);
 }
-bool has_bad_sigma(const Vector3d& v) { return is_bad_sigma(v.x()) || is_bad_sigma(v.y()) || is_bad_sigma(v.z()); }
+bool has_bad_sigma(const Vector3d& v, double least) {
+    return is_bad_sigma(v.x(), least) || is_bad_sigma(v.y(), least) || is_bad_sigma(v.z(), least);
+}
 
 bool is_bad(const GnssFix& f) {
     constexpr double most_height = 1e6, most_speed = 1e4;  // m, m/s
@@ -36,15 +41,17 @@ bool is_bad(const GnssFix& f) {
         is_bad_if_stated(p.h, most_height))
         return true;
     if (is_bad(f.time) || (p.lat == 0.0 && p.lon == 0.0)) return true;  // output of receivers without a position
-    return has_bad(f.velocity_n, most_speed) || has_bad_sigma(f.std_position) || has_bad_sigma(f.std_velocity) ||
-           is_bad(f.position_age, most_age) || is_bad(f.velocity_age, most_age);
+    return has_bad(f.velocity_n, most_speed) || has_bad_sigma(f.std_position, least_sigma::position) ||
+           has_bad_sigma(f.std_velocity, least_sigma::velocity) || is_bad(f.position_age, most_age) ||
+           is_bad(f.velocity_age, most_age);
 }
 
 bool is_bad(const RangeSample& s, std::size_t sources) {
     constexpr double far = 1e8, fast = 1e5;  // m, m/s
     return s.source >= sources || is_bad(s.tx.r.norm(), far) || is_bad_if_stated(s.pseudorange, far) ||
-           is_bad_if_stated(s.range_rate, fast) || has_bad(s.tx_velocity, fast) || is_bad_sigma(s.std) ||
-           is_bad_sigma(s.std_rate) || is_bad(s.tx_clock, 1.0) || is_bad(s.tx_clock_rate, 1.0) || is_bad(s.variance, 1e12);
+           is_bad_if_stated(s.range_rate, fast) || has_bad(s.tx_velocity, fast) || is_bad_sigma(s.std, least_sigma::range) ||
+           is_bad_sigma(s.std_rate, least_sigma::range_rate) || is_bad(s.tx_clock, 1.0) || is_bad(s.tx_clock_rate, 1.0) ||
+           is_bad(s.variance, 1e12);
 }
 
 }  // namespace
@@ -126,10 +133,11 @@ FeedStatus StreamTimeline::feed(const MagSample& s) {
     return take(s, settings_.filter.mag.use, is_bad(s.field_b.norm(), 1e6) || !(s.field_b.norm() > 0.0));
 }
 FeedStatus StreamTimeline::feed(const OdometerSample& s) {
-    return take(s, settings_.filter.odometer.use, is_bad(s.speed, 1e3) || is_bad_sigma(s.std));
+    return take(s, settings_.filter.odometer.use, is_bad(s.speed, 1e3) || is_bad_sigma(s.std, least_sigma::velocity));
 }
 FeedStatus StreamTimeline::feed(const HeadingSample& s) {
-    return take(s, settings_.filter.heading.use, is_bad(s.heading, 4.0 * std::numbers::pi) || is_bad_sigma(s.std));
+    return take(s, settings_.filter.heading.use,
+                is_bad(s.heading, 4.0 * std::numbers::pi) || is_bad_sigma(s.std, least_sigma::heading));
 }
 FeedStatus StreamTimeline::feed(const GaugeSample& s) {
     return take(s, settings_.filter.gauges.use, has_bad(s.height, 1e5) || !s.height.array().isFinite().any());
