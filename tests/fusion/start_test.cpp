@@ -220,6 +220,33 @@ TEST(Latency, IsNotLearntFromAVibration) {
     }
 }
 
+// At a constant velocity nothing shows the latency of positions. A filter that takes the corrections of its velocity for motion learns one
+// all the same, further from the truth the longer it flies, and surer.
+TEST(Latency, OfPositionsIsNotLearntStraightOn) {
+    for (const std::uint64_t seed : {1u, 2u, 3u, 4u}) {
+        sim::Scenario s = steady(100.0, 0.0);
+        std::get<sim::RecordedPath>(s.path).points.resize(2);
+        std::get<sim::RecordedPath>(s.path).points[1] = {1010.0, {0.5 + 101000.0 / 6.36e6, 1.0, 500.0}, {0.0, 0.0, 0.0}};
+        s.duration = 1000.0;
+        s.imu.errors = sensor::imu_grade("consumer");
+        s.gnss.white_position.setConstant(0.3);
+        s.gnss.position_latency = 0.1;
+        s.seed = seed;
+        Recording recording = sim::simulate(s).recording;
+        without_velocities(recording);
+        Settings f = settings_of(s);
+        f.initial.rpy = recording.reference.front().rpy;
+        f.initial.std_rpy = Vector3d(0.5, 0.5, 3.0) * deg;
+        f.vehicle = VehicleKind::Air;
+        f.gnss.latency = 0.0;
+        f.gnss.latency_std = 0.1;
+        const auto [off, std] = last_of(fuse(recording, f), "gnss_latency_error");
+        EXPECT_LT(std::abs(off), 0.1) << seed;
+        EXPECT_GT(std, 0.08) << seed;
+        EXPECT_LE(std, 0.1001) << seed;
+    }
+}
+
 // Over a fifth of a second the motion is not what its acceleration at one instant says: the run starts from the latency that a trial found.
 TEST(Latency, ThatIsFoundIsTheOneAboutWhichTheFilterIsLinear) {
     const sim::Scenario s = flight_in_curves(3, 0.22);

@@ -103,8 +103,13 @@ struct InertialFilter {
     /// give the antenna; the covariance keeps what is known of it, so that a correction of the heading is no information on it.
     Eigen::Vector3d antenna_moved = Eigen::Vector3d::Zero();
     Eigen::Matrix3d arm_turned = Eigen::Matrix3d::Zero();  ///< the same of the row of the lever arm, if it is a state
-    Withheld withheld;                                     ///< from the column of the heading
-    double cached_time = -1.0;                             ///< of decay and noise below, s
+    /// m/s and s: corrections of velocity and latency since the last propagation. A late fix gives the position of an instant before;
+    /// the covariance keeps what is known of that one: else corrections of the velocity, which are noise, would be taken for motion
+    /// and show a latency that only an acceleration can show.
+    Eigen::Vector3d velocity_corrected = Eigen::Vector3d::Zero();
+    double latency_corrected = 0.0;
+    Withheld withheld;          ///< from the column of the heading
+    double cached_time = -1.0;  ///< of decay and noise below, s
     StateVector cached_diagonal, cached_q;
     std::array<StateProcess, Layout::slots> slot_process{};  ///< of the source block, whose states are reassigned
 
