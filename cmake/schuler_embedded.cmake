@@ -26,6 +26,11 @@ target_compile_features(schuler_embedded PUBLIC cxx_std_20)
 target_compile_options(schuler_embedded PUBLIC -fno-exceptions -fno-rtti
                        PRIVATE -ffunction-sections -fdata-sections -fstack-usage $<$<CONFIG:Release>:-O2>)
 target_compile_definitions(schuler_embedded PUBLIC ${SCHULER_ABI_DEFINITIONS} FMT_HEADER_ONLY)
+if(SCHULER_FLOAT32_COVARIANCE)
+    target_compile_definitions(schuler_embedded PUBLIC SCHULER_FLOAT32_COVARIANCE)
+    # Variances are assigned and increased in many places: the rounding is what is asked for.
+    target_compile_options(schuler_embedded PRIVATE -Wno-float-conversion)
+endif()
 target_include_directories(schuler_embedded PUBLIC "${PROJECT_SOURCE_DIR}/src")
 target_include_directories(schuler_embedded SYSTEM PUBLIC "${headers}")
 target_link_libraries(schuler_embedded PUBLIC Eigen3::Eigen PRIVATE schuler_flags)

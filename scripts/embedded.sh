@@ -2,8 +2,9 @@
 # The embedded core (docs/embed.md) for this processor, for aarch64 and for arm: built, its example run (the last two under qemu), its
 # results compared, its needs measured. The exit status is 0 only where all processors agree and nothing is allocated after construction.
 #
-#   scripts/embedded.sh [--count] [FOLDER [PROCESSOR...]]     folder of the builds: build-embedded; processors: native aarch64 arm
+#   scripts/embedded.sh [--count] [FOLDER [PROCESSOR...]]     folder of the builds: build-embedded; processors: native native-float32 aarch64 arm
 #
+# -float32 after a processor: with covariances in single precision. Compared with the first processor, whose precision is double.
 # --count: instructions a sample as well, by the emulator's log of what it runs: some minutes more a processor.
 # What it needs: scripts/packages.sh --install embedded
 set -euo pipefail
@@ -12,19 +13,20 @@ count=no
 [ "${1:-}" != --count ] || { count=yes; shift; }
 folder=$(realpath -m "${1:-$root/build-embedded}")
 processors=("${@:2}")
-[ ${#processors[@]} -gt 0 ] || processors=(native aarch64 arm)
+[ ${#processors[@]} -gt 0 ] || processors=(native native-float32 aarch64 arm)
 
 # Compiler, emulator and prefix of the tools of a processor.
 choose() {
-    case "$1" in
+    case "${1%-float32}" in
         native) prefix='' emulator=(qemu-x86_64-static -cpu max) options=() ;;
         aarch64) prefix=aarch64-linux-gnu- emulator=(qemu-aarch64-static) options=(-DCMAKE_SYSTEM_NAME=Linux -DCMAKE_SYSTEM_PROCESSOR=aarch64) ;;
         arm) prefix=arm-linux-gnueabihf- emulator=(qemu-arm-static) options=(-DCMAKE_SYSTEM_NAME=Linux -DCMAKE_SYSTEM_PROCESSOR=arm) ;;
         *) echo "embedded: unknown processor '$1': native, aarch64 or arm" >&2; exit 2 ;;
     esac
+    [[ "$1" != *-float32 ]] || options+=(-DSCHULER_FLOAT32_COVARIANCE=ON)
     [ -z "$prefix" ] || options+=("-DCMAKE_CXX_COMPILER=${prefix}g++")
     run=()
-    [ "$1" = native ] || run=("${emulator[@]}")
+    [ "${1%-float32}" = native ] || run=("${emulator[@]}")
 }
 
 # Mean, median, 99.9 % and largest number of instructions between the example's marks, over the second half of a minute's drive. The

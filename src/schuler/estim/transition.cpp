@@ -21,11 +21,11 @@ double sum(Vec4 v) { return (v[0] + v[1]) + (v[2] + v[3]); }
 
 /// Three rows of T = A P from A's rows a0..a2, for `vectors` vectors of P's columns from v on.
 template <int Vectors>
-void three_rows(const double* P, long stride, const double* a0, int driven, int v, double* t0) {
+void three_rows(const CovarianceScalar* P, long stride, const double* a0, int driven, int v, double* t0) {
     const double *a1 = a0 + rows_stride, *a2 = a1 + rows_stride;
     Vec4 s[3][Vectors] = {};
     for (int k = 0; k < driven; ++k) {
-        const double* p = P + k * stride + 4 * v;
+        const CovarianceScalar* p = P + k * stride + 4 * v;
         const Vec4 b0 = broadcast(a0[k]), b1 = broadcast(a1[k]), b2 = broadcast(a2[k]);
         for (int i = 0; i < Vectors; ++i) {
             const Vec4 x = load(p + 4 * i);
@@ -39,7 +39,7 @@ void three_rows(const double* P, long stride, const double* a0, int driven, int 
 }
 
 /// T = A P (row r at T + r max_states), all accumulators in registers.
-void coupled_rows(const double* P, long stride, const Transition& phi, int used, double* T) {
+void coupled_rows(const CovarianceScalar* P, long stride, const Transition& phi, int used, double* T) {
     const int vectors = used / 4;
     for (int r = 0; r < coupled; r += 3) {
         const double* a = phi.rows.data() + r * rows_stride;
@@ -59,8 +59,9 @@ double corner(const double* T, const Transition& phi, int r, int c) {
 
 /// Transformation of a symmetric matrix by a shear: M <- S M S^T.
 void shear(StateMatrix& M, const Transition::Shear& s, int used) {
-    M.row(s.to).head(used) += s.factor * M.row(s.from).head(used);
-    M.col(s.to).head(used) += s.factor * M.col(s.from).head(used);
+    const auto factor = static_cast<CovarianceScalar>(s.factor);
+    M.row(s.to).head(used) += factor * M.row(s.from).head(used);
+    M.col(s.to).head(used) += factor * M.col(s.from).head(used);
 }
 
 }  // namespace
@@ -92,7 +93,7 @@ void propagate(StateMatrix& P, const Transition& phi, int used) {
     for (int i = 0; i < phi.shear_count; ++i) shear(P, phi.shears[static_cast<std::size_t>(i)], used);
     alignas(32) double T[coupled * max_states];
     const long stride = P.rows();
-    double* p = P.data();
+    CovarianceScalar* p = P.data();
     coupled_rows(p, stride, phi, used, T);
     const double* d = phi.diagonal.data();
     // Columns of the uncoupled states: scaled by both factors. Their first rows are overwritten below.
@@ -102,12 +103,12 @@ void propagate(StateMatrix& P, const Transition& phi, int used) {
     }
     for (int c = 0; c < coupled; ++c) {
         const double* t = T + c * max_states;
-        double* column = p + c * stride;
+        CovarianceScalar* column = p + c * stride;
         for (int w = coupled / 4 * 4; w < used; w += 4) store(column + w, load(t + w) * load(d + w));
         for (int r = coupled; r < used; ++r) p[r * stride + c] = column[r];
     }
     for (int c = 0; c < coupled; ++c)
-        for (int r = c; r < coupled; ++r) p[c * stride + r] = p[r * stride + c] = corner(T, phi, r, c);
+        for (int r = c; r < coupled; ++r) p[c * stride + r] = p[r * stride + c] = static_cast<CovarianceScalar>(corner(T, phi, r, c));
 }
 
 Eigen::Matrix<double, coupled, coupled> propagated_corner(const StateMatrix& P, const Transition& phi) {
@@ -132,7 +133,7 @@ void propagate_adjoint(StateMatrix& L, const Transition& phi, int used) {
     // U = L Phi: column j is the sum over the coupled rows that reach j, plus the diagonal for j >= 9.
     alignas(32) double U[max_states * max_states];
     const long stride = L.rows();
-    double* l = L.data();
+    CovarianceScalar* l = L.data();
     const double* d = phi.diagonal.data();
     for (int j = 0; j < used; ++j) {
         double* u = U + j * max_states;
@@ -147,10 +148,10 @@ void propagate_adjoint(StateMatrix& L, const Transition& phi, int used) {
     // Phi^T U likewise; only one triangle is computed, so that the result is exactly symmetric.
     for (int c = 0; c < used; ++c) {
         const double* u = U + c * max_states;
-        double* y = l + c * stride;
+        CovarianceScalar* y = l + c * stride;
         const int first = c / 4 * 4;
         for (int v = first; v < used; v += 4) store(y + v, load(d + v) * load(u + v));
-        for (int r = first; r < coupled; ++r) y[r] = 0.0;
+        for (int r = first; r < coupled; ++r) y[r] = 0;
         for (int k = 0; k < coupled; ++k) {
             const Vec4 b = broadcast(u[k]);
             const double* a = phi.rows.data() + k * rows_stride;

@@ -33,19 +33,20 @@ struct Entries {
 };
 
 /// y = the sum of the entries times columns of M, `Vectors` vectors from x on.
-template <int Vectors>
-void combine_columns(const Entries& h, const double* M, long stride, double* y) {
+template <int Vectors, class Scalar>
+void combine_columns(const Entries& h, const Scalar* M, long stride, double* y) {
     Vec4 sum[Vectors] = {};
     for (std::size_t k = 0; k < h.count; ++k) {
         const Vec4 f = broadcast(h.value[k]);
-        const double* m = M + h.state[k] * stride;
+        const Scalar* m = M + h.state[k] * stride;
         for (int i = 0; i < Vectors; ++i) sum[i] += f * load(m + 4 * i);
     }
     for (int i = 0; i < Vectors; ++i) store(y + 4 * i, sum[i]);
 }
 
 /// The first `size` (a multiple of four) components of that.
-void combine(const Entries& h, const double* M, long stride, int size, double* y) {
+template <class Scalar>
+void combine(const Entries& h, const Scalar* M, long stride, int size, double* y) {
     int v = 0;
     for (; v + 16 <= size; v += 16) combine_columns<4>(h, M + v, stride, y + v);
     for (; v < size; v += 4) combine_columns<1>(h, M + v, stride, y + v);
@@ -53,8 +54,8 @@ void combine(const Entries& h, const double* M, long stride, int size, double* y
 
 /// Four columns of Y, `Vectors` vectors of rows: Y - X F^T with `count` columns of X and F, all sums in registers; `finish(row,
 /// columns)` may modify the stored values.
-template <int Vectors, class Finish>
-void subtract_product(double* y, long y_stride, const double* x, const double* f, long stride, int count, int row,
+template <int Vectors, class Scalar, class Finish>
+void subtract_product(Scalar* y, long y_stride, const double* x, const double* f, long stride, int count, int row,
                       Finish& finish) {
     Vec4 sum[4][Vectors] = {};
     x += row;
@@ -78,12 +79,18 @@ void subtract_product(double* y, long y_stride, const double* x, const double* f
 }
 
 /// The same for `size` rows, a multiple of four.
-template <class Finish>
-void subtract_products(double* y, long y_stride, const double* x, const double* f, long stride, int count, int size,
+template <class Scalar, class Finish>
+void subtract_products(Scalar* y, long y_stride, const double* x, const double* f, long stride, int count, int size,
                        Finish&& finish) {
     int r = 0;
     for (; r + 8 <= size; r += 8) subtract_product<2>(y, y_stride, x, f, stride, count, r, finish);
     if (r < size) subtract_product<1>(y, y_stride, x, f, stride, count, r, finish);
+}
+
+/// column -= change.
+template <class Column, class Change>
+void subtract(Column&& column, const Change& change) {
+    column = (as_double(column) - change).template cast<CovarianceScalar>();
 }
 
 /// Four scalars of an epoch: the inverse of the diagonal of L, the elements below it, and their whitened innovations.
@@ -137,7 +144,7 @@ RowUpdate update(StateVector& dx, StateMatrix& P, const Row& h, double innovatio
     const StateVector g = ph / std::sqrt(u.s);
     for (int c = 0; c < used; ++c) {
         const double gc = g(c);
-        if (gc != 0.0) P.col(c).head(used) -= gc * g.head(used);
+        if (gc != 0.0) subtract(P.col(c).head(used), gc * g.head(used));
     }
     return u;
 }
@@ -226,10 +233,10 @@ void correct_covariance(StateMatrix& P, const StateVector& k, const StateVector&
     for (int c = 0; c < used; ++c) {
         const double kc = k(c), a = ph(c) - s * kc;
         // Column c of P - k ph^T - ph k^T + s k k^T.
-        P.col(c).head(used) -= k.head(used) * a + ph.head(used) * kc;
+        subtract(P.col(c).head(used), k.head(used) * a + ph.head(used) * kc);
     }
     for (int c = 0; c < used; ++c)
-        for (int i = c + 1; i < used; ++i) P(c, i) = P(i, c) = 0.5 * (P(c, i) + P(i, c));
+        for (int i = c + 1; i < used; ++i) P(c, i) = P(i, c) = CovarianceScalar{0.5} * (P(c, i) + P(i, c));
 }
 
 RowUpdate update_with_gain(StateVector& dx, StateMatrix& P, const Row& h, double innovation, double r, const StateVector& k,
@@ -255,8 +262,8 @@ void clone(StateMatrix& P, const std::array<Row, 3>& rows, int first, int used) 
                 rows[static_cast<std::size_t>(std::max(k, l))].dot(by_clone[static_cast<std::size_t>(std::min(k, l))]);
     }
     for (int k = 0; k < 3; ++k) {
-        P.col(first + k) = by_clone[static_cast<std::size_t>(k)];
-        P.row(first + k) = by_clone[static_cast<std::size_t>(k)].transpose();
+        P.col(first + k) = by_clone[static_cast<std::size_t>(k)].cast<CovarianceScalar>();
+        P.row(first + k) = P.col(first + k).transpose();
     }
 }
 
@@ -267,9 +274,9 @@ void StateAdjoint::undo_clone(const std::array<Row, 3>& rows, int first) {
         const double of_clone = lambda(first + k);
         lambda += row * of_clone;
         lambda(first + k) = 0.0;
-        const StateVector column = Lambda.col(first + k);
-        Lambda.noalias() += row * column.transpose() + column * row.transpose();
-        Lambda.noalias() += row * row.transpose() * column(first + k);
+        const StateVector column = Lambda.col(first + k).cast<double>();
+        Lambda.noalias() += (row * column.transpose() + column * row.transpose()).cast<CovarianceScalar>();
+        Lambda.noalias() += (row * row.transpose() * column(first + k)).cast<CovarianceScalar>();
         Lambda.row(first + k).setZero();
         Lambda.col(first + k).setZero();
     }
@@ -278,14 +285,14 @@ void StateAdjoint::undo_clone(const std::array<Row, 3>& rows, int first) {
 void StateAdjoint::undo(const RowUpdate& u, int used) {
     const double correction = u.k.head(used).dot(lambda.head(used)) + u.innovation / u.s;
     StateVector lk = StateVector::Zero(lambda.size());
-    lk.head(used).noalias() = Lambda.topLeftCorner(used, used) * u.k.head(used);
+    lk.head(used).noalias() = Lambda.topLeftCorner(used, used).cast<double>() * u.k.head(used);
     const double klk = u.k.head(used).dot(lk.head(used)) + 1.0 / u.s;
     const StateVector h = u.h.whole(lambda.size());
     lambda -= h * correction;
     for (int c = 0; c < used; ++c) {
         const double hc = h(c), a = klk * hc - lk(c);
         // Column c of (I - k h)^T Lambda (I - k h) + h h^T / s.
-        Lambda.col(c).head(used) += h.head(used) * a - lk.head(used) * hc;
+        add(Lambda.col(c).head(used), h.head(used) * a - lk.head(used) * hc);
     }
 }
 

@@ -61,7 +61,7 @@ Reported antenna(const InertialModel& model, const InertialFilter<Frame>& f, con
     }
     // what is not in the states refers to the unit
     const Matrix9 besides = reported_covariance(model, f, undecided) - f.local_covariance(model);
-    Matrix9 P = J * f.P * J.transpose() + m.by_unit * besides * m.by_unit.transpose();
+    Matrix9 P = J * estim::as_double(f.P) * J.transpose() + m.by_unit * besides * m.by_unit.transpose();
     P.block<3, 3>(Layout::velocity, Layout::velocity) += e.rate_variance * m.by_rate * m.by_rate.transpose();
     return {m.nav, P};
 }
@@ -113,7 +113,7 @@ StateRow state_row(const Layout& layout, const NavState& nav, const StateVector&
         if (offset < 0) return b;
         b.dof = dof;
         b.value.head(dof) = parameters.segment(offset, dof);
-        b.covariance.topLeftCorner(dof, dof) = P.block(offset, offset, dof, dof);
+        b.covariance.topLeftCorner(dof, dof) = estim::as_double(P.block(offset, offset, dof, dof));
         return b;
     };
     StateRow row;
@@ -144,7 +144,7 @@ ParameterRow parameter_row(Time time, const Layout& layout, const StateVector& p
     for (int i = Layout::navigation; i < layout.size; ++i) {
         const bool free = is_slot(i) && !(P(i, i) > 0.0);
         row.value.push_back(free ? not_given : parameters(i));
-        row.std.push_back(free ? not_given : std::sqrt(std::max(0.0, P(i, i))));
+        row.std.push_back(free ? not_given : std::sqrt(std::max(0.0, double{P(i, i)})));
     }
     return row;
 }

@@ -198,7 +198,7 @@ Eigen::Matrix<double, 9, 9> FaultWatch::undecided() const {
     Eigen::Matrix<double, 9, 9> out = Eigen::Matrix<double, 9, 9>::Zero();
     for (const WithoutSource& w : without) {
         const Eigen::Matrix<double, 9, 1> d = w.offset.head<9>();
-        out += w.weight * (w.excess.topLeftCorner<9, 9>() + d * d.transpose());
+        out += w.weight * (estim::as_double(w.excess.topLeftCorner<9, 9>()) + d * d.transpose());
     }
     return out;
 }

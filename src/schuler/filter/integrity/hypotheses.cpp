@@ -277,8 +277,8 @@ void Pass<Frame>::open(FilterRun<Frame>& run, const Opening& o) const {
     const double tilt2 = std::min(most_tilt * most_tilt, faster2 / std::pow(units::g0 * span, 2));
     const double heading2 = std::min(most_heading * most_heading, faster2 / speed2);
     const Eigen::Matrix3d down = down_axis(run.filter);
-    P.template block<3, 3>(Layout::attitude, Layout::attitude) +=
-        part * (tilt2 * (Eigen::Matrix3d::Identity() - down) + heading2 * down);
+    estim::add(P.template block<3, 3>(Layout::attitude, Layout::attitude),
+               part * (tilt2 * (Eigen::Matrix3d::Identity() - down) + heading2 * down));
     const auto reopen = [&](int offset, double sigma) {
         P.diagonal().template segment<3>(offset).array() += part * sigma * sigma;
     };

@@ -25,7 +25,7 @@ StateVector correct(FilterRun<Frame>& run, const InertialModel& model, const Mea
     StateVector dx = StateVector::Zero(P.rows());
     for (int i = 0; i < m.dof; ++i) {
         const StateVector& h = rows[static_cast<std::size_t>(i)];
-        const StateVector ph = P * h;
+        const StateVector ph = estim::as_double(P) * h;
         const double s = h.dot(ph) + m.variance(i);
         StateVector k = ph / s;
         for (const int state : {model.layout.gnss_position, model.layout.gnss_velocity})
@@ -33,7 +33,7 @@ StateVector correct(FilterRun<Frame>& run, const InertialModel& model, const Mea
         dx += k * (m.innovation(i) - h.dot(corrected) - h.dot(dx));
         estim::correct_covariance(P, k, ph, s, run.filter.used);
     }
-    P.diagonal() = P.diagonal().cwiseMax(model.floor);
+    run.filter.keep_above_floor(model);
     run.filter.apply(model, dx);
     observer.corrected();
     return dx;

@@ -178,13 +178,13 @@ void add_disturbance_noise(const DisturbanceModel& model, const Layout& layout, 
     }
     for (int r = 0; r < chain.order; ++r) {
         const int row = at[static_cast<std::size_t>(r)];
-        for (int c = 0; c < chain.order; ++c) P.block<3, 3>(row, at[static_cast<std::size_t>(c)]) += Q(r, c) * sigma2;
+        for (int c = 0; c < chain.order; ++c) estim::add(P.block<3, 3>(row, at[static_cast<std::size_t>(c)]), Q(r, c) * sigma2);
         const Matrix3d shared = Q(3, r) * to_frame * sigma2;
-        P.block<3, 3>(Layout::velocity, row) += shared;
-        P.block<3, 3>(row, Layout::velocity) += shared.transpose();
+        estim::add(P.block<3, 3>(Layout::velocity, row), shared);
+        estim::add(P.block<3, 3>(row, Layout::velocity), shared.transpose());
     }
     const Matrix3d own = Q(3, 3) * to_frame * sigma2 * to_frame.transpose();
-    P.block<3, 3>(Layout::velocity, Layout::velocity) += 0.5 * (own + own.transpose());
+    estim::add(P.block<3, 3>(Layout::velocity, Layout::velocity), 0.5 * (own + own.transpose()));
 }
 
 void start_disturbance(const DisturbanceSettings& settings, const Layout& layout, const Matrix3d& C_en, estim::StateMatrix& P) {
@@ -199,13 +199,14 @@ void start_disturbance(const DisturbanceSettings& settings, const Layout& layout
     const Matrix3d sigma2 = N * model.sigma_n.cwiseAbs2().asDiagonal() * N.transpose();
     for (int r = 0; r < model.random_part().order; ++r)
         for (int c = 0; c < model.random_part().order; ++c)
-            P.block<3, 3>(at[static_cast<std::size_t>(r)], at[static_cast<std::size_t>(c)]) = S(r, c) * sigma2;
+            P.block<3, 3>(at[static_cast<std::size_t>(r)], at[static_cast<std::size_t>(c)]) =
+                (S(r, c) * sigma2).cast<estim::CovarianceScalar>();
 }
 
 void open_disturbance(const DisturbanceSettings& settings, const Layout& layout, const Matrix3d& C_en, estim::StateMatrix& P) {
     const Matrix3d N = settings.model.from_local_level(C_en);
-    P.block<3, 3>(layout.gravity_constant, layout.gravity_constant) +=
-        N * settings.prior_n.cwiseAbs2().asDiagonal() * N.transpose();
+    estim::add(P.block<3, 3>(layout.gravity_constant, layout.gravity_constant),
+               N * settings.prior_n.cwiseAbs2().asDiagonal() * N.transpose());
 }
 
 }  // namespace schuler::filter

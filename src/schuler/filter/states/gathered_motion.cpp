@@ -157,12 +157,12 @@ Matrix9 GatheredMotion::noise(const BiasNoise& biases) const {
 
 void GatheredMotion::add_noise(const BiasNoise& biases, estim::StateMatrix& P) const {
     const double T = time;
-    P.topLeftCorner<9, 9>() += noise(biases);
+    estim::add(P.topLeftCorner<9, 9>(), noise(biases));
     const double wg = biases.gyro_bias_psd * T * T, wa = biases.accel_bias_psd * T * T;
     const Matrix3d f = skew(force / T), C = turn / T;
     const auto add = [&P](int row, int column, const Matrix3d& block) {
-        P.block<3, 3>(row, column) += block;
-        P.block<3, 3>(column, row) += block.transpose();
+        estim::add(P.block<3, 3>(row, column), block);
+        estim::add(P.block<3, 3>(column, row), block.transpose());
     };
     if (wg > 0.0) {
         add(a, Layout::gyro_bias, (0.5 * wg) * C);

@@ -154,9 +154,9 @@ Vector3d InertialFilter<Frame>::vertical_part(const InertialModel& model, const 
     if (horizontal < calm) return vertical;
     // If not yet known, they may cause more: three sigma of their sum.
     constexpr int a = Layout::attitude, b = Layout::accel_bias;
-    const Matrix3d F = math::skew(vertical / dt), cross = F * P.block<3, 3>(a, b) * C.transpose();
+    const Matrix3d F = math::skew(vertical / dt), cross = F * covariance_of(a, b) * C.transpose();
     const Matrix3d M =
-        F * P.block<3, 3>(a, a) * F.transpose() + C * P.block<3, 3>(b, b) * C.transpose() - cross - cross.transpose();
+        F * covariance_of(a, a) * F.transpose() + C * covariance_of(b, b) * C.transpose() - cross - cross.transpose();
     return horizontal * horizontal < 9.0 * (M.trace() - down.dot(M * down)) ? vertical : df;
 }
 
@@ -220,13 +220,13 @@ Vector3d InertialFilter<Frame>::force_change_square(const InertialModel& model, 
 template <class Frame>
 double InertialFilter<Frame>::uncertain_rate(double rate_variance) const {
     constexpr double bound = 2.0;  // one sigma
-    return bound * std::sqrt(P.block<3, 3>(Layout::gyro_bias, Layout::gyro_bias).trace() + 3.0 * rate_variance);
+    return bound * std::sqrt(covariance_of(Layout::gyro_bias, Layout::gyro_bias).trace() + 3.0 * rate_variance);
 }
 
 template <class Frame>
 double InertialFilter<Frame>::heading_variance(const InertialModel& model) const {
     const Vector3d down = down_axis(model);
-    return down.dot(P.block<3, 3>(Layout::attitude, Layout::attitude) * down);
+    return down.dot(covariance_of(Layout::attitude, Layout::attitude) * down);
 }
 
 template <class Frame>
@@ -236,13 +236,13 @@ HeadingForce InertialFilter<Frame>::force_for_heading(const InertialModel& model
     constexpr int v = Layout::velocity, a = Layout::attitude, b = Layout::accel_bias;
     const Vector3d vertical = down.dot(gathered.force) * down;
     const Matrix3d by_level = math::skew(vertical), &by_bias = gathered.turn;
-    const Matrix3d cross = P.block<3, 3>(v, a) * by_level.transpose() - P.block<3, 3>(v, b) * by_bias.transpose() -
-                           by_level * P.block<3, 3>(a, b) * by_bias.transpose();
-    const Matrix3d velocity = P.block<3, 3>(v, v) + by_level * P.block<3, 3>(a, a) * by_level.transpose() +
-                              by_bias * P.block<3, 3>(b, b) * by_bias.transpose() + cross + cross.transpose();
+    const Matrix3d cross = covariance_of(v, a) * by_level.transpose() - covariance_of(v, b) * by_bias.transpose() -
+                           by_level * covariance_of(a, b) * by_bias.transpose();
+    const Matrix3d velocity = covariance_of(v, v) + by_level * covariance_of(a, a) * by_level.transpose() +
+                              by_bias * covariance_of(b, b) * by_bias.transpose() + cross + cross.transpose();
     // less what the heading itself contributes: it is not what makes the acceleration uncertain
     const double heading = heading_variance(model);
-    const Vector3d by_heading = (P.block<3, 3>(v, a) + by_level * P.block<3, 3>(a, a) - by_bias * P.block<3, 3>(b, a)) * down;
+    const Vector3d by_heading = (covariance_of(v, a) + by_level * covariance_of(a, a) - by_bias * covariance_of(b, a)) * down;
     const Matrix3d apart = heading > 0.0 ? Matrix3d(velocity - by_heading * by_heading.transpose() / heading) : velocity;
     return heading_force(gathered.acceleration, withheld, down, apart, std::max(0.0, heading));
 }
@@ -316,13 +316,13 @@ bool InertialFilter<Frame>::propagate_covariance(const InertialModel& model, est
     if (L.clock >= 0) phi.shears[static_cast<std::size_t>(phi.shear_count++)] = {L.clock, L.drift, T};
     estim::propagate(P, phi, used);
     gathered.add_noise(bias_noise(model), P);
-    P.block<3, 3>(Layout::velocity, Layout::velocity) += force.velocity_noise;
+    estim::add(P.block<3, 3>(Layout::velocity, Layout::velocity), force.velocity_noise);
     withheld = force.withheld;
     antenna_moved.setZero();
     arm_turned.setZero();
     velocity_corrected.setZero();
     latency_corrected = 0.0;
-    P.diagonal().head(used) += cached_q.head(used);
+    estim::add(P.diagonal().head(used), cached_q.head(used));
     if (L.clock >= 0) {
         const double cross = 0.5 * model.drift_psd * T * T;
         P(L.clock, L.clock) += model.clock_psd * T + model.drift_psd * T * T * T / 3.0;
@@ -489,7 +489,7 @@ Matrix9 InertialFilter<Frame>::to_local_level(const InertialModel& model) const 
 
 template <class Frame>
 Matrix9 InertialFilter<Frame>::local_covariance(const InertialModel& model) const {
-    Matrix9 P9 = P.topLeftCorner<9, 9>();
+    Matrix9 P9 = estim::as_double(P.topLeftCorner<9, 9>());
     if (gathered.time > 0.0) {
         estim::Transition phi;
         if (model.layout.gravity_constant >= 0) phi.diagonal = StateVector::Ones(P.rows());

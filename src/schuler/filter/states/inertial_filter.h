@@ -164,7 +164,7 @@ struct InertialFilter {
         StateVector dx = StateVector::Zero(P.rows());
         for (int i = 0; i < m.dof; ++i)
             record(estim::update(dx, P, m.rows[static_cast<std::size_t>(i)], m.innovation(i), m.variance(i), used));
-        P.diagonal() = P.diagonal().cwiseMax(model.floor);
+        keep_above_floor(model);
         apply(model, dx);
         return dx;
     }
@@ -179,6 +179,14 @@ struct InertialFilter {
         apply(model, dx);
     }
 
+    /// No variance below the model's floor.
+    void keep_above_floor(const InertialModel& model) {
+        P.diagonal() = estim::as_double(P.diagonal()).cwiseMax(model.floor).template cast<estim::CovarianceScalar>();
+    }
+    /// Three rows and columns of P, in double precision.
+    [[nodiscard]] Eigen::Matrix3d covariance_of(int row, int column) const {
+        return estim::as_double(P.template block<3, 3>(row, column));
+    }
     /// Corrects the estimate by dx: the nominal state in the closed loop, `error` otherwise.
     void apply(const InertialModel& model, const StateVector& dx);
     /// nominal <- corrected(nominal, error): the correction of the open or mixed loop. The estimate is unchanged. The remaining

@@ -225,7 +225,7 @@ public:
             if (std::cos(start.nav.position.lat) < 0.01) to_local_level.template block<6, 3>(3, 0).setZero();
             T_ = to_local_level.inverse();
         }
-        f_.P.template topLeftCorner<9, 9>() = T_ * P_n_ * T_.transpose();
+        f_.P.template topLeftCorner<9, 9>() = Matrix9(T_ * P_n_ * T_.transpose()).cast<estim::CovarianceScalar>();
     }
 
     /// The latency errors of the fixes have a covariance (s^2), and cause errors of the start in proportion to its `rates` (local
@@ -233,19 +233,19 @@ public:
     /// Other correlations of the start are unaffected.
     void latencies(const std::array<int, 2>& own, const Eigen::Matrix2d& covariance, const Eigen::Matrix<double, 9, 2>& rates) {
         const Eigen::Matrix<double, 9, 2> errors = T_ * rates, shared = errors * covariance;
-        f_.P.template topLeftCorner<9, 9>().noalias() += shared * errors.transpose();
+        estim::add(f_.P.template topLeftCorner<9, 9>(), shared * errors.transpose());
         for (int i = 0; i < 2; ++i) {
             if (own[i] < 0) continue;
-            f_.P.template block<9, 1>(0, own[i]) = shared.col(i);
-            f_.P.template block<1, 9>(own[i], 0) = shared.col(i).transpose();
+            f_.P.template block<9, 1>(0, own[i]) = shared.col(i).template cast<estim::CovarianceScalar>();
+            f_.P.template block<1, 9>(own[i], 0) = shared.col(i).transpose().template cast<estim::CovarianceScalar>();
             for (int k = 0; k < 2; ++k)
-                if (own[k] >= 0) f_.P(own[i], own[k]) = covariance(i, k);
+                if (own[k] >= 0) f_.P(own[i], own[k]) = static_cast<estim::CovarianceScalar>(covariance(i, k));
         }
     }
 
     /// Adds a white error of this sigma to a navigation state of the local level.
     void loosen(int state, double sigma) {
-        f_.P.template topLeftCorner<9, 9>() += sigma * sigma * T_.col(state) * T_.col(state).transpose();
+        estim::add(f_.P.template topLeftCorner<9, 9>(), sigma * sigma * T_.col(state) * T_.col(state).transpose());
     }
 
     /// The position so far is that of the antenna: the unit's is that less the lever arm, with the errors of both. l_n: lever arm, m.
@@ -254,14 +254,15 @@ public:
         const Matrix9 to_local_level = T_.inverse();
         const Eigen::Matrix<double, 3, 9> attitude = to_local_level.template bottomRows<3>();
         const Eigen::Index n = f_.P.rows();
-        Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, estim::max_states> of_arm = math::skew(l_n) * attitude * f_.P.topRows(9);
-        if (L_.lever_arm >= 0) of_arm += C_nb * f_.P.middleRows(L_.lever_arm, 3);
+        Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, estim::max_states> of_arm =
+            math::skew(l_n) * attitude * estim::as_double(f_.P.topRows(9));
+        if (L_.lever_arm >= 0) of_arm += C_nb * estim::as_double(f_.P.middleRows(L_.lever_arm, 3));
         Eigen::Matrix3d both = of_arm.leftCols(9) * attitude.transpose() * math::skew(l_n).transpose();
         if (L_.lever_arm >= 0) both += of_arm.middleCols(L_.lever_arm, 3) * C_nb.transpose();
         const Eigen::Matrix<double, 9, Eigen::Dynamic, 0, 9, estim::max_states> change = by_position * of_arm;
-        f_.P.topRows(9) -= change.leftCols(n);
-        f_.P.leftCols(9) -= change.transpose();
-        f_.P.template topLeftCorner<9, 9>() += by_position * both * by_position.transpose();
+        estim::add(f_.P.topRows(9), -change.leftCols(n));
+        estim::add(f_.P.leftCols(9), -change.transpose());
+        estim::add(f_.P.template topLeftCorner<9, 9>(), by_position * both * by_position.transpose());
     }
 
     /// Variance of a navigation state, local level.
@@ -269,15 +270,15 @@ public:
 
     template <int Size>
     void set(int offset, const Eigen::Matrix<double, Size, 1>& sigma) {
-        if (offset >= 0) f_.P.diagonal().template segment<Size>(offset) = sigma.cwiseAbs2();
+        if (offset >= 0) f_.P.diagonal().template segment<Size>(offset) = sigma.cwiseAbs2().template cast<estim::CovarianceScalar>();
     }
     void set(int offset, int count, double sigma) {
         if (offset >= 0) f_.P.diagonal().segment(offset, count).setConstant(sigma * sigma);
     }
     /// A state whose error has the covariance `shared` with the component `state` of the local level.
     void tie(int own, int state, double shared) {
-        f_.P.template block<9, 1>(0, own) = shared * T_.col(state);
-        f_.P.template block<1, 9>(own, 0) = shared * T_.col(state).transpose();
+        f_.P.template block<9, 1>(0, own) = (shared * T_.col(state)).template cast<estim::CovarianceScalar>();
+        f_.P.template block<1, 9>(own, 0) = (shared * T_.col(state)).transpose().template cast<estim::CovarianceScalar>();
     }
     /// A receiver's slow error: a start from a fix contains that error, which the state, initially zero, does not include: their
     /// errors are opposite.
@@ -300,14 +301,14 @@ public:
         if (own < 0) return;
         const Eigen::Matrix<double, 1, 9> local_height = Matrix9(T_.inverse()).row(Layout::position + 2);
         const Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, estim::max_states> shared =
-            local_height * f_.P.topRows(9);
+            local_height * estim::as_double(f_.P.topRows(9));
         const double height_variance = local_height.dot(shared.head(9)), prior = settings.bias_std;
         f_.P(own, own) = prior * prior;
         const double offset = first_height - nav.position.h;
         if (!(offset * offset > 9.0 * (prior * prior + height_variance))) return;
         f_.parameters(own) = offset;
-        f_.P.row(own) = shared;
-        f_.P.col(own) = shared.transpose();
+        f_.P.row(own) = shared.template cast<estim::CovarianceScalar>();
+        f_.P.col(own) = f_.P.row(own).transpose();
         f_.P(own, own) = height_variance + settings.std * settings.std;
     }
 

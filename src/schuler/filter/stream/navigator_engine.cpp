@@ -207,7 +207,8 @@ public:
     }
     std::optional<SensorErrorRow> sensor_errors() const override {
         if (!running()) return std::nullopt;
-        return sensor_error_row(run_.filter.time(), model_.layout, run_.filter.estimated_parameters(), run_.filter.P.diagonal());
+        return sensor_error_row(run_.filter.time(), model_.layout, run_.filter.estimated_parameters(),
+                                estim::as_double(run_.filter.P.diagonal()));
     }
     const InertialModel& model() const override { return model_; }
 
