@@ -378,6 +378,39 @@ TEST(MonteCarlo, SlowErrorsOfRangeRatesAreTold) {
     }
 }
 
+constexpr const char* car =
+    "name = \"car\"\nseed = 3\nduration_s = 120\nreference_rate_hz = 5\n[trajectory]\ntype = \"car\"\nstart = { lat_deg = 48.137, "
+    "lon_deg = 11.575, height_m = 520 }\nstandstill_s = 20\n[imu]\nrate_hz = 50\ngrade = \"mems\"\n[gnss]\nrate_hz = 1\n"
+    "lever_arm_m = [6, 2, -8]\n[run]\nsettle_s = 20\n"
+    "[filter]\ninitial_error = { level_deg = 1, heading_deg = 10, velocity_m_s = 0.1, position_m = 10 }\n";
+
+/// The receiver's own solution is the motion of its antenna and is compared with that: ten metres of lever arm are not its error.
+TEST(MonteCarlo, TheReceiverAloneIsComparedAtItsAntenna) {
+    std::string text = car;
+    text.insert(text.find("[run]"), "white_m = [0.01, 0.01, 0.01]\nwhite_velocity_m_s = [0.01, 0.01, 0.01]\n");
+    const settings::ScenarioConfig scenario =
+        settings::scenario_from(settings::scenario_settings(request_of(text, "antenna").input, {}));
+    WarningLog unheard, warnings;
+    const auto run = [&](bool attitude) {
+        solution::ResultBundle bundle =
+            solution::simulated_bundle(scenario, {settings::setting_from_text("filter.scheme=gnss")}, unheard);
+        if (!attitude)
+            for (ReferenceSample& s : bundle.data.recording.reference) s.rpy = not_given3();
+        solution::fuse_and_evaluate(bundle, warnings, scenario.sim.reference_rate, {});
+        EXPECT_TRUE(bundle.at_antenna());
+        return bundle.evaluation;
+    };
+    const solution::Evaluation own = run(true);
+    EXPECT_LT(own.summary.three_d.max, 0.1);  // six sigma of three components
+    EXPECT_LT(own.summary.v_east.rms, 0.03);  // the rate of turn is that of attitudes 0.2 s apart
+    EXPECT_LT(own.summary.v_north.rms, 0.03);
+    EXPECT_TRUE(warnings.empty());
+    // without attitude the reference stays that of the IMU, and that is told
+    const solution::Evaluation other = run(false);
+    EXPECT_NEAR(other.summary.three_d.rms, Eigen::Vector3d(6.0, 2.0, -8.0).norm(), 0.05);
+    EXPECT_EQ(warnings.topics(), std::vector<std::string>{"reference.point"});
+}
+
 TEST(MonteCarlo, GivenSlowErrorsOfFixesAreKept) {
     WarningLog unheard;
     const auto bundle_of = [&](const std::string& text) {

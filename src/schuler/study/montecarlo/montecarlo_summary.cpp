@@ -161,6 +161,7 @@ std::string summary_json(const MonteCarlo& mc) {
     out["mechanization"] = s.head.mechanization;
     out["loop"] = s.head.loop;
     out["smoothed"] = s.head.smoothed;
+    out["point"] = s.head.scheme == settings::scheme_name(settings::Scheme::Gnss) ? "antenna" : "imu";
     out["seed"] = mc.seed + mc.first;
     out["version"] = mc.version;
     out["reference"] = "truth";
