@@ -87,7 +87,8 @@ TEST(ReferenceAt, APointOfATurningBodyDescribesACircle) {
         EXPECT_LT((earth::ned_difference(wgs, s.position, home) - lever_n).norm(), 1e-5);
         const bool between_neighbours = s.time.seconds() > 0.2 && s.time.seconds() < 1.2;  // the others: at an end or a gap
         EXPECT_EQ(s.velocity_n.allFinite(), between_neighbours) << s.time.seconds();
-        if (between_neighbours) EXPECT_LT((s.velocity_n - v_n - rate * Vector3d(-lever_n.y(), lever_n.x(), 0.0)).norm(), 1e-9);
+        if (!between_neighbours) continue;
+        EXPECT_LT((s.velocity_n - v_n - rate * Vector3d(-lever_n.y(), lever_n.x(), 0.0)).norm(), 1e-9);
     }
     EXPECT_EQ(reference_at(wgs, reference, Vector3d::Zero()).front().velocity_n, v_n);
 }

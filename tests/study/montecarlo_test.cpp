@@ -172,6 +172,7 @@ std::vector<MonteCarloRun> invented_runs(std::size_t count) {
         nis.accepted = 10 + k;
         nis.rejected = k % 2;
         run.aids.push_back({"baro", nis});
+        if (k % 4 == 1) run.warnings.add("topic", fmt::format("run {} is odd", k));
         analysis::OutageStatistics outage{};
         outage.end_horizontal = std::abs(random.normal());
         run.outages.push_back(outage);
@@ -409,6 +410,41 @@ TEST(MonteCarlo, TheReceiverAloneIsComparedAtItsAntenna) {
     const solution::Evaluation other = run(false);
     EXPECT_NEAR(other.summary.three_d.rms, Eigen::Vector3d(6.0, 2.0, -8.0).norm(), 0.05);
     EXPECT_EQ(warnings.topics(), std::vector<std::string>{"reference.point"});
+}
+
+/// What a single run warns of, a campaign tells once, with the number of runs; a comparison also of which scheme.
+TEST(MonteCarlo, WarningsOfTheRunsAreTold) {
+    settings::ProcessRequest request = request_of(car, "warned");
+    request.above.push_back(settings::setting_from_text("filter.loop=open"));
+    const report::Outcome alone = run_montecarlo(campaign_of(request, "warned", 2, 1));
+    const auto told =
+        testing::Contains(testing::AllOf(testing::StartsWith("the loop is open"), testing::HasSubstr("2 of 2 runs")));
+    EXPECT_THAT(alone.warnings, told);
+    EXPECT_THAT(timeless(alone.folder)["warnings"].get<std::vector<std::string>>(), told);
+
+    std::string text = car;
+    text.insert(text.find("[trajectory]"), "[compare]\nschemes = [\"gnss\", \"loose\"]\n");
+    request = request_of(text, "warned_schemes");
+    request.above.push_back(settings::setting_from_text("filter.loop=open"));
+    const CompareCampaign both = compare_campaign(request, 2, 1);
+    EXPECT_THAT(both.warnings(), testing::ElementsAre(testing::StartsWith("loose: the loop is open")));
+    EXPECT_EQ(nlohmann::json::parse(campaign_json(both))["warnings"].size(), 1u);
+}
+
+TEST(RunWarnings, TheTextIsThatOfTheFirstRunWhateverTheOrder) {
+    WarningLog fifth, second;
+    fifth.add("a", "five");
+    second.add("a", "two", 3);
+    second.add("b", "other");
+    RunWarnings one, other;
+    one.add(5, 105, fifth);
+    other.add(2, 102, second);
+    RunWarnings forwards = one, backwards = other;
+    forwards.merge(other);
+    backwards.merge(one);
+    const std::vector<std::string> lines{"two (3 times) (seed 102; 2 of 4 runs)", "other (seed 102; 1 of 4 runs)"};
+    EXPECT_EQ(forwards.lines(4), lines);
+    EXPECT_EQ(backwards.lines(4), lines);
 }
 
 TEST(MonteCarlo, GivenSlowErrorsOfFixesAreKept) {

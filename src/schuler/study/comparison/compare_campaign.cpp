@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <chrono>
 #include <functional>
+#include <iterator>
 #include <set>
 #include <span>
 
@@ -30,6 +31,7 @@ struct Kept {
     SquaredCourse course;
     bool report_wanted = false;
     std::vector<solution::Ignored> ignored;  ///< of the first seed: settings without effect on the scheme
+    WarningLog warnings;
     std::string failure;
 };
 
@@ -37,9 +39,8 @@ struct Kept {
 Kept kept_of(const settings::ScenarioConfig& flight, const settings::SettingList& over, const std::set<std::string>& asked,
              const sim::ExactFlight* flown) {
     Kept out;
-    WarningLog unheard;
-    solution::ResultBundle bundle = solution::simulated_bundle(flight, over, unheard, nullptr, flown);
-    solution::fuse_and_evaluate(bundle, unheard, flight.sim.reference_rate, {});
+    solution::ResultBundle bundle = solution::simulated_bundle(flight, over, out.warnings, nullptr, flown);
+    solution::fuse_and_evaluate(bundle, out.warnings, flight.sim.reference_rate, {});
     bundle.command = "montecarlo";
     if (!asked.empty()) out.ignored = solution::ignored_of(bundle, asked);
     out.run = compared_run(bundle, flight);
@@ -122,7 +123,9 @@ CompareCampaign compare_campaign(const settings::SettingList& base, const settin
     for (std::size_t i = 0; i < c.schemes.size(); ++i) {
         SchemeCampaign& s = c.schemes[i];
         const std::span<const Kept> own(all.data() + i * runs, runs);
-        for (const Kept& k : own) {
+        for (std::size_t run = 0; run < runs; ++run) {
+            const Kept& k = own[run];
+            s.warnings.add(run, c.seeds[run], k.warnings);
             s.course.add(k.course);
             s.numbers.push_back(k.run.numbers);
             s.windows.push_back(k.run.windows);
@@ -146,6 +149,16 @@ CompareCampaign compare_campaign(const settings::SettingList& base, const settin
     return c;
 }
 
+std::vector<std::string> CompareCampaign::warnings() const {
+    std::vector<std::string> out;
+    for (const SchemeCampaign& s : schemes) {
+        const std::string name = s.satellites ? fmt::format("{}, {} satellites", s.scheme->name, *s.satellites) : s.scheme->name;
+        for (const std::string& line : s.warnings.lines(seeds.size() - s.failures.size()))
+            out.push_back(fmt::format("{}: {}", name, line));
+    }
+    return out;
+}
+
 report::Outcome montecarlo_of_schemes(const settings::ProcessRequest& request, std::size_t runs, int jobs) {
     const CompareCampaign c = compare_campaign(request, runs, jobs);
     report::Outcome out;
@@ -162,6 +175,7 @@ report::Outcome montecarlo_of_schemes(const settings::ProcessRequest& request, s
     WarningLog without_effect;
     solution::warn_of_ignored(c.ignored, without_effect);
     out.warnings = without_effect.summary();
+    std::ranges::copy(c.warnings(), std::back_inserter(out.warnings));
     for (const SchemeCampaign& s : c.schemes)
         for (const std::string& failure : s.failures) out.warnings.push_back(fmt::format("{}, {}", s.scheme->name, failure));
     for (const SchemeCampaign& s : c.schemes) {

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <mutex>
 #include <set>
 
@@ -58,9 +59,8 @@ double epoch_step(const settings::ScenarioConfig& scenario) {
 
 void fill(MonteCarloRun& run, const settings::ScenarioConfig& scenario, const settings::SettingList& over, double step,
           const sim::ExactFlight* flown) {
-    WarningLog unheard;
-    solution::ResultBundle bundle = solution::simulated_bundle(scenario, over, unheard, nullptr, flown);
-    solution::fuse_and_evaluate(bundle, unheard, scenario.sim.reference_rate, {});
+    solution::ResultBundle bundle = solution::simulated_bundle(scenario, over, run.warnings, nullptr, flown);
+    solution::fuse_and_evaluate(bundle, run.warnings, scenario.sim.reference_rate, {});
     const settings::Config& c = bundle.data.config;
     run.scheme = settings::scheme_name(c.scheme);
     run.mechanization = c.filter.mechanization == fusion::Mechanization::Geographic ? "geographic" : "ecef";
@@ -371,6 +371,10 @@ MonteCarlo montecarlo(const CampaignRequest& request) {
     return mc;
 }
 
+std::vector<std::string> warnings_of_runs(const MonteCarlo& mc) {
+    return mc.statistics().warnings.lines(mc.runs - mc.statistics().failed);
+}
+
 report::Outcome run_montecarlo(const CampaignRequest& request) {
     const settings::ScenarioConfig scenario = settings::read_scenario(request.common.input, request.common.seed);
     if (!scenario.compared.empty() && !request.common.names_a_scheme()) {
@@ -406,6 +410,7 @@ report::Outcome run_montecarlo(const CampaignRequest& request) {
     WarningLog ignored;
     solution::warn_of_ignored(mc.ignored, ignored);
     out.warnings = ignored.summary();
+    std::ranges::copy(warnings_of_runs(mc), std::back_inserter(out.warnings));
     constexpr std::size_t told = 20;
     const std::size_t most = out.warnings.size() + told;
     const auto& failures = mc.statistics().failures;

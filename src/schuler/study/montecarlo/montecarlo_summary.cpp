@@ -204,7 +204,7 @@ std::string summary_json(const MonteCarlo& mc) {
     if (s.swept) out["montecarlo"]["sweep"] = report::table_json(sweep_table(mc));
     out["timing"] = {{"wall_s", mc.wall_s}};
     out["ignored"] = report::ignored_json(mc.ignored);
-    out["warnings"] = report::Json::array();
+    out["warnings"] = warnings_of_runs(mc);
     return report::text_of(out);
 }
 
