@@ -1,6 +1,7 @@
 // A campaign repeats single runs, whatever the number of threads; what varies is drawn from its distribution.
 #include "schuler/study/montecarlo/montecarlo.h"
 #include "schuler/math/random.h"
+#include "schuler/math/rotation.h"
 #include "schuler/settings/request.h"
 #include "schuler/settings/scenario/scenario.h"
 #include "schuler/solution/bundle.h"
@@ -410,6 +411,43 @@ TEST(MonteCarlo, TheReceiverAloneIsComparedAtItsAntenna) {
     const solution::Evaluation other = run(false);
     EXPECT_NEAR(other.summary.three_d.rms, Eigen::Vector3d(6.0, 2.0, -8.0).norm(), 0.05);
     EXPECT_EQ(warnings.topics(), std::vector<std::string>{"reference.point"});
+}
+
+/// States and NEES of a smoothed run are those of the solution whose errors are given, not of the filter before it.
+TEST(MonteCarlo, StatesOfASmoothedRunAreSmoothed) {
+    const settings::ScenarioConfig scenario =
+        settings::scenario_from(settings::scenario_settings(request_of(car, "smoothed").input, {}));
+    WarningLog unheard;
+    solution::ResultBundle bundle =
+        solution::simulated_bundle(scenario, {settings::setting_from_text("filter.smooth=true")}, unheard);
+    solution::fuse_and_evaluate(bundle, unheard, scenario.sim.reference_rate, {});
+    std::vector<fusion::StateRow> rows;  // the same by the solution's rows
+    for (const SolutionRow& row : bundle.result.smoothed.rows) {
+        fusion::StateRow& state = rows.emplace_back();
+        state.time = row.time;
+        state.nav.position = row.position;
+        state.nav.v_eb_n = row.v_eb_n;
+        state.nav.q_nb = math::quaternion_from_rpy(row.rpy);
+        state.P_position = row.std_position.cwiseAbs2().asDiagonal();
+        state.P_velocity = row.std_velocity.cwiseAbs2().asDiagonal();
+        state.P_attitude.setIdentity();
+    }
+    const std::vector<solution::StateErrors> own =
+        solution::state_errors(rows, bundle.data.config.filter.earth, bundle.data.recording.reference, bundle.truth);
+    const std::vector<solution::StateErrors>& told = bundle.evaluation.states;
+    ASSERT_GT(told.size(), 110u);
+    for (const solution::StateErrors& e : told) {
+        const auto same = std::ranges::find(own, e.time, &solution::StateErrors::time);
+        ASSERT_NE(same, own.end());
+        for (std::size_t b = 0; b < 2; ++b) {
+            EXPECT_LT((e.error[b] - same->error[b]).norm(), 1e-6);
+            EXPECT_NEAR(e.nees[b], same->nees[b], 1e-6 * (1.0 + e.nees[b]));
+        }
+        EXPECT_LT((e.error[2] - same->error[2]).norm(), 1e-4);  // of the second order: errors of a degree at the start
+        EXPECT_GT(e.nees[3], 0.0);
+    }
+    ASSERT_TRUE(bundle.evaluation.gyro_bias_error);
+    EXPECT_LT((told.back().error[3] - *bundle.evaluation.gyro_bias_error).norm(), 1e-12);
 }
 
 /// What a single run warns of, a campaign tells once, with the number of runs; a comparison also of which scheme.

@@ -145,7 +145,9 @@ Evaluation evaluate(const LoadedDataset& data, const fusion::Result& result, con
         out.separated = analysis::summarise(out.separation, out.settled, std::max(late, out.settled));
         if (out.separated.epochs < 2) out.separated = analysis::summarise(out.separation, Time{INT64_MIN}, end);
     }
-    out.states = state_errors(result.forward.states, c.filter.earth, data.recording.reference, truth);
+    if (!result.forward.states.empty() && !smoothed)
+        out.states = state_errors(result.forward.states, c.filter.earth, data.recording.reference, truth);
+    else if (!truth.sensors.empty()) out.states = state_errors_by_sigmas(solution, result.states, out.errors, reference, truth);
     return out;
 }
 

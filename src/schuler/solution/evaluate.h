@@ -39,7 +39,7 @@ struct Evaluation {
     std::optional<Eigen::Vector3d> accel_bias_error;          ///< m/s^2
     std::vector<analysis::SeparationRow> separation;          ///< forward minus backward filter, where requested
     analysis::SeparationSummary separated;                    ///< its statistics, without the settling time of both
-    std::vector<StateErrors> states;                          ///< of the filter, once per second (simulated data)
+    std::vector<StateErrors> states;                          ///< of the solution, once per second (simulated data)
 };
 
 /// Evaluates a result against the reference of the data set, or against withheld GNSS in outages if there is none. A solution of the antenna

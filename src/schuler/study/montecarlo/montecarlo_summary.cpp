@@ -233,7 +233,8 @@ std::string error_table(const CampaignStatistics& s) {
 }
 
 std::string block_table(const CampaignStatistics& s) {
-    ResultTable table = report::table_for_people("", {"states", "rms", "5 %", "median", "95 %"});
+    ResultTable table =
+        report::table_for_people("", {s.head.smoothed ? "states, smoothed" : "states", "rms", "5 %", "median", "95 %"});
     for (std::size_t b = 2; b < solution::state_blocks; ++b) {  // position and velocity are above
         const solution::StateBlockName& name = solution::state_block_names()[b];
         if (!s.present(b)) continue;
@@ -257,8 +258,9 @@ std::string outage_table(const std::vector<PooledOutage>& outages) {
 }
 
 std::string consistency_table(const CampaignStatistics& s) {
-    ResultTable table = report::table_for_people("", {"consistency", "mean", "expected", "95 % bounds: from", "to",
-                                                      "epochs inside", "rejected", "lag 1", "mean in its bounds"});
+    ResultTable table =
+        report::table_for_people("", {s.head.smoothed ? "consistency, NEES smoothed" : "consistency", "mean", "expected",
+                                      "95 % bounds: from", "to", "epochs inside", "rejected", "lag 1", "mean in its bounds"});
     table.columns[5].format = ".0f%";
     const auto add = [&](const std::string& name, double mean, double expected, double low, double high, std::vector<Cell> rest) {
         std::vector<Cell>& row = table.rows.emplace_back(std::vector<Cell>{name, mean, expected, low, high});
