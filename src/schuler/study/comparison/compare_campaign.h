@@ -45,6 +45,7 @@ struct SchemeCampaign {
     SquaredCourse course;                               ///< of all runs together
     std::vector<std::string> failures;                  ///< of the runs that failed, with their seed
     RunWarnings warnings;                               ///< of the others
+    bool unsmoothed = false;                            ///< smoothing was requested, and the scheme has no smoother
 };
 
 struct CompareCampaign {
@@ -61,7 +62,7 @@ struct CompareCampaign {
     double wall_s = 0.0;
 
     [[nodiscard]] bool with_satellites() const { return schemes.front().satellites.has_value(); }
-    /// Those of the runs: one line per scheme and topic.
+    /// Which schemes are not smoothed, and those of the runs: one line per scheme and topic.
     [[nodiscard]] std::vector<std::string> warnings() const;
 };
 
