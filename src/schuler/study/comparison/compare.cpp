@@ -11,6 +11,7 @@
 #include "schuler/solution/bundle.h"
 #include "schuler/solution/fuse.h"
 #include "schuler/solution/ignored.h"
+#include "schuler/solution/ignored_here.h"
 #include "schuler/study/comparison/compare_windows.h"
 
 #include <fmt/format.h>
@@ -167,7 +168,10 @@ report::Outcome compare_schemes(const settings::ProcessRequest& request) {
     }
     std::ranges::copy(warning_of_unsmoothed(without_smoother), std::back_inserter(c.warnings));
     WarningLog without_effect;
-    if (ignored) solution::warn_of_ignored(*ignored, without_effect);
+    if (ignored) {
+        solution::add_unmade_check(*ignored, request.above);
+        solution::warn_of_ignored_here(*ignored, request.above, without_effect);
+    }
     std::ranges::copy(without_effect.summary(), std::back_inserter(c.warnings));
     c.plots = signal_panels(c, scenario.sim.origin);
     report::Outcome out;

@@ -9,6 +9,7 @@
 #include "schuler/solution/bundle.h"
 #include "schuler/solution/fuse.h"
 #include "schuler/solution/ignored.h"
+#include "schuler/solution/ignored_here.h"
 #include "schuler/study/comparison/compare.h"
 #include "schuler/study/montecarlo/montecarlo.h"
 
@@ -179,7 +180,8 @@ std::vector<std::string> CompareCampaign::warnings() const {
 }
 
 report::Outcome montecarlo_of_schemes(const settings::ProcessRequest& request, std::size_t runs, int jobs) {
-    const CompareCampaign c = compare_campaign(request, runs, jobs);
+    CompareCampaign c = compare_campaign(request, runs, jobs);
+    solution::add_unmade_check(c.ignored, request.above);
     report::Outcome out;
     out.folder = request.output.empty() ? std::filesystem::path("out") / (c.name + "-montecarlo") : request.output;
     report::make_folder(out.folder);
@@ -192,7 +194,7 @@ report::Outcome montecarlo_of_schemes(const settings::ProcessRequest& request, s
     if (c.report_wanted) write("report.html", report::render(campaign_report(c)));
     write("summary.json", out.json);  // last: when it exists, all other files exist
     WarningLog without_effect;
-    solution::warn_of_ignored(c.ignored, without_effect);
+    solution::warn_of_ignored_here(c.ignored, request.above, without_effect);
     out.warnings = without_effect.summary();
     std::ranges::copy(c.warnings(), std::back_inserter(out.warnings));
     for (const SchemeCampaign& s : c.schemes)

@@ -7,6 +7,7 @@
 #include "schuler/solution/bundle.h"
 #include "schuler/solution/fuse.h"
 #include "schuler/solution/ignored.h"
+#include "schuler/solution/ignored_here.h"
 #include "schuler/study/comparison/compare_campaign.h"
 
 #include <algorithm>
@@ -367,6 +368,7 @@ MonteCarlo montecarlo(const CampaignRequest& request) {
                                 fmt::format("try `schuler run` with --seed {}", first.seed));
     }
     mc.ignored = without_effect(scenario, over, flights.flown.get());
+    solution::add_unmade_check(mc.ignored, request.common.above);
     mc.wall_s = solution::seconds_since(begin);
     return mc;
 }
@@ -408,7 +410,7 @@ report::Outcome run_montecarlo(const CampaignRequest& request) {
     CampaignPart::remove_from(mc.folder);
     if (request.team) request.team->wait();
     WarningLog ignored;
-    solution::warn_of_ignored(mc.ignored, ignored);
+    solution::warn_of_ignored_here(mc.ignored, request.common.above, ignored);
     out.warnings = ignored.summary();
     std::ranges::copy(warnings_of_runs(mc), std::back_inserter(out.warnings));
     constexpr std::size_t told = 20;
