@@ -1,4 +1,5 @@
 #include "schuler/analysis/errors.h"
+#include "schuler/analysis/reference_point.h"
 
 #include <gtest/gtest.h>
 
@@ -69,6 +70,27 @@ TEST(ErrorBetween, LeverArmMovesTheEstimateToTheReference) {
     const ErrorRow e = error_between(wgs, row(0, home, Vector3d::Zero(), rpy), truth(0, home), Vector3d(1.0, 2.0, 3.0));
     EXPECT_LT((e.position - Vector3d(1.0, 3.0, -2.0)).norm(), 1e-5);
     EXPECT_TRUE(e.velocity.array().isNaN().all());
+}
+
+/// A body that turns about the vertical at a constant rate: the point describes a circle, with rate times arm as its velocity.
+TEST(ReferenceAt, APointOfATurningBodyDescribesACircle) {
+    constexpr double rate = 0.4;
+    const Vector3d lever_b(3.0, 1.0, -2.0), v_n(1.0, -2.0, 0.5);
+    std::vector<ReferenceSample> reference;
+    for (const double t : {0.0, 0.5, 0.75, 1.5, 5.0, 6.0, 7.0}) reference.push_back(truth(t, home, v_n, {0.0, 0.0, rate * t}));
+    reference[5].rpy.z() = nan;
+    const std::vector<ReferenceSample> moved = reference_at(wgs, reference, lever_b);
+    ASSERT_EQ(moved.size(), 6u);  // without the one that has no heading
+    for (const ReferenceSample& s : moved) {
+        const double heading = rate * s.time.seconds(), c = std::cos(heading), sn = std::sin(heading);
+        const Vector3d lever_n(c * 3.0 - sn * 1.0, sn * 3.0 + c * 1.0, -2.0);
+        EXPECT_LT((earth::ned_difference(wgs, s.position, home) - lever_n).norm(), 1e-5);
+        const bool between_neighbours = s.time.seconds() > 0.2 && s.time.seconds() < 1.2;  // the others: at an end or a gap
+        EXPECT_EQ(s.velocity_n.allFinite(), between_neighbours) << s.time.seconds();
+        if (!between_neighbours) continue;
+        EXPECT_LT((s.velocity_n - v_n - rate * Vector3d(-lever_n.y(), lever_n.x(), 0.0)).norm(), 1e-9);
+    }
+    EXPECT_EQ(reference_at(wgs, reference, Vector3d::Zero()).front().velocity_n, v_n);
 }
 
 TEST(SolutionAt, InterpolatesACubicMotionExactly) {

@@ -118,9 +118,13 @@ def nothing_to_show(program, source):
     (folder / "flight.toml").write_text(FLIGHT)
     check("no statistics of errors" not in program("montecarlo", "flight.toml", "-n", "2", "-o", "flight").stderr, "told without cause")
     (folder / "schemes.toml").write_text(FLIGHT + '[compare]\nschemes = ["loose", "separate"]\n')
-    program("montecarlo", "schemes.toml", "-n", "2", "-o", "schemes")
-    failed = subprocess.run([program.path, "montecarlo", "schemes.toml", "-n", "2", "--set", "filter.smooth=true", "-o", "failed"], cwd=folder, capture_output=True, text=True)
-    check(failed.returncode == 1 and failed.stdout.splitlines()[-1] == "do not use: every run of scheme separate failed", failed.stdout)
+    done = program("montecarlo", "schemes.toml", "-n", "2", "--smooth", "--backward", "-o", "schemes")
+    check("no smoother for separate" in done.stderr and "filter.backward is given and has no effect" in done.stderr, done.stderr)
+    told = json.loads((folder / "schemes/summary.json").read_text())
+    check(any("no smoother for separate" in text for text in told["warnings"]) and told["montecarlo"]["failed"] == 0, "and in summary.json")
+    (folder / "schemes.toml").write_text(FLIGHT + '[compare]\nschemes = ["loose", "tight"]\n')  # there are no ranges
+    failed = subprocess.run([program.path, "montecarlo", "schemes.toml", "-n", "2", "-o", "failed"], cwd=folder, capture_output=True, text=True)
+    check(failed.returncode == 1 and failed.stdout.splitlines()[-1] == "do not use: every run of scheme tight failed", failed.stdout)
     check((folder / "failed/summary.json").is_file(), "not written")
 
 

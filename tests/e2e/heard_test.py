@@ -88,6 +88,12 @@ def heard(program, source):
             if outputs("with") == plain and key not in named:
                 silent.append((scheme, key))
     check(not silent, "ignored without a word: " + "; ".join(map(str, silent)))
+    # what is typed is not hidden behind the keys of the file
+    for command in (("process", "drive", "--scheme", "gnss"), ("ahrs", "drive")):
+        told = run(program, *command, "-o", "typed", "--set", "filter.integrity.use=true", "--set", "filter.gate_probability=0.01").stderr
+        lines = [line for line in told.splitlines() if "no effect" in line]
+        typed = [any(line.startswith(f"warning: {key} is given") for line in lines[:2]) for key in ("filter.integrity.use", "filter.gate_probability")]
+        check(all(typed) and any(" more are given" in line for line in lines[2:]), f"{command}: {told}")
 
 
 def scenarios(program, source):

@@ -69,6 +69,9 @@ def verdict_honest(program, source):
     check(run["self_check"] is None and run["verdict"]["word"] == "trustworthy", f"the truth judges a scenario: {run['verdict']}")
     ignored = json.loads(program("run", "flight.toml", "-o", "run", "--json", "--self-check", "off").stdout)["ignored"]
     check([row["key"] for row in ignored] == ["filter.self_check"], f"{ignored}")
+    for command in (("run", "flight.toml"), ("montecarlo", "flight.toml", "-n", "2")):
+        done = program(*command, "-o", f"{command[0]}_on", "--self-check", "on")
+        check("filter.self_check is given and has no effect: it belongs to `schuler process`" in done.stderr, f"{command}: {done.stderr}")
 
 
 def verdict_widened(program, source):

@@ -69,6 +69,10 @@ TEST(Summary, HasEveryFieldOfTheContract) {
     EXPECT_EQ(s["mechanization"], "geographic");
     EXPECT_EQ(s["loop"], "closed");
     EXPECT_EQ(s["smoothed"], true);
+    EXPECT_EQ(s["point"], "imu");
+    solution::ResultBundle receiver = hand_made(true);
+    receiver.data.config.scheme = settings::Scheme::Gnss;
+    EXPECT_EQ(Json::parse(summary_json(receiver))["point"], "antenna");
     EXPECT_TRUE(s["seed"].is_null());
     EXPECT_EQ(s["imu"]["epochs"], 20000);
     EXPECT_EQ(s["imu"]["gaps"], 2);

@@ -20,6 +20,7 @@
 #include "schuler/solution/evidence.h"
 #include "schuler/solution/fuse.h"
 #include "schuler/solution/ignored.h"
+#include "schuler/solution/ignored_here.h"
 #include "schuler/solution/loaded_dataset.h"
 #include "schuler/solution/provenance.h"
 #include "schuler/solution/stated_check.h"
@@ -164,7 +165,8 @@ report::Outcome finished(solution::ResultBundle& bundle, const settings::Process
     bundle.facts = solution::facts_of(bundle);
     bundle.config_toml = solution::config_in_force(bundle.data);
     bundle.ignored = solution::ignored_of(bundle, asked);
-    solution::warn_of_ignored(bundle.ignored, warnings);
+    if (bundle.command != "process") solution::add_unmade_check(bundle.ignored, request.above);
+    solution::warn_of_ignored_here(bundle.ignored, request.above, warnings);
     for (fusion::Trajectory* t : {&bundle.result.forward, &bundle.result.smoothed})
         for (std::vector<SolutionRow>* rows : {&t->rows, &t->point})
             *rows = report::decimated(std::move(*rows), bundle.data.config.filter.output_rate);

@@ -108,7 +108,8 @@ void propagate(StateMatrix& P, const Transition& phi, int used) {
         for (int r = coupled; r < used; ++r) p[r * stride + c] = column[r];
     }
     for (int c = 0; c < coupled; ++c)
-        for (int r = c; r < coupled; ++r) p[c * stride + r] = p[r * stride + c] = static_cast<CovarianceScalar>(corner(T, phi, r, c));
+        for (int r = c; r < coupled; ++r)
+            p[c * stride + r] = p[r * stride + c] = static_cast<CovarianceScalar>(corner(T, phi, r, c));
 }
 
 Eigen::Matrix<double, coupled, coupled> propagated_corner(const StateMatrix& P, const Transition& phi) {

@@ -97,7 +97,7 @@ Json head_of(const solution::ResultBundle& b) {
     out["mechanization"] = c.filter.mechanization == fusion::Mechanization::Geographic ? "geographic" : "ecef";
     out["loop"] = settings::loop_name(b.result.findings.in_force ? b.result.findings.in_force->loop : c.filter.loop);
     out["smoothed"] = b.smoothed();
-    out["point"] = c.filter.output_at_antenna ? "antenna" : "imu";
+    out["point"] = b.at_antenna() ? "antenna" : "imu";
     out["seed"] = b.seed ? Json(*b.seed) : Json(nullptr);
     out["version"] = b.version;
     const auto& rows = b.solution().rows;

@@ -53,6 +53,10 @@ struct ResultBundle {
     Timing timing;
 
     [[nodiscard]] bool smoothed() const { return !result.smoothed.rows.empty(); }
+    /// The solution is the motion of the antenna instead of that of the IMU.
+    [[nodiscard]] bool at_antenna() const {
+        return data.config.scheme == settings::Scheme::Gnss || data.config.filter.output_at_antenna;
+    }
     [[nodiscard]] const fusion::Trajectory& solution() const { return smoothed() ? result.smoothed : result.forward; }
     [[nodiscard]] double relative(Time t) const { return (t - data.origin).seconds(); }
 };

@@ -1,5 +1,6 @@
 #include "schuler/solution/evaluate.h"
 
+#include "schuler/analysis/reference_point.h"
 #include "schuler/earth/enu.h"
 #include "schuler/math/quantile.h"
 #include "schuler/math/rotation.h"
@@ -102,6 +103,16 @@ std::vector<ReferenceSample> comparable(const std::vector<SolutionRow>& rows, co
     return 2 * out.size() >= smaller ? out : reference;
 }
 
+/// The reference of the point whose motion the solution is. Where its attitude is missing it is that of the IMU.
+std::vector<ReferenceSample> reference_of_solution(const LoadedDataset& data, Evaluation& out) {
+    const std::vector<ReferenceSample>& own = data.recording.reference;
+    const Eigen::Vector3d& lever_arm_b = data.config.filter.gnss.lever_arm_b;
+    if (data.config.scheme != settings::Scheme::Gnss || lever_arm_b.isZero(0.0) || !has_position(own)) return own;
+    std::vector<ReferenceSample> moved = analysis::reference_at(data.config.filter.earth, own, lever_arm_b);
+    out.at_another_point = moved.empty();
+    return out.at_another_point ? own : moved;
+}
+
 }  // namespace
 
 Evaluation evaluate(const LoadedDataset& data, const fusion::Result& result, const HiddenTruth& truth) {
@@ -111,7 +122,7 @@ Evaluation evaluate(const LoadedDataset& data, const fusion::Result& result, con
     const fusion::Trajectory& solution = smoothed ? result.smoothed : result.forward;
     out.settled = c.run.settle ? data.origin + Duration::from_seconds(*c.run.settle)
                                : result.findings.aligned_at + Duration::from_seconds(default_settle);
-    const std::vector<ReferenceSample> reference = comparable(solution.rows, data.recording.reference);
+    const std::vector<ReferenceSample> reference = comparable(solution.rows, reference_of_solution(data, out));
     if (!reference.empty()) {
         out.reference = data.true_reference ? "truth" : "file";
         out.errors = analysis::errors_against(c.filter.earth, solution.rows, reference);
@@ -134,8 +145,18 @@ Evaluation evaluate(const LoadedDataset& data, const fusion::Result& result, con
         out.separated = analysis::summarise(out.separation, out.settled, std::max(late, out.settled));
         if (out.separated.epochs < 2) out.separated = analysis::summarise(out.separation, Time{INT64_MIN}, end);
     }
-    out.states = state_errors(result.forward.states, c.filter.earth, data.recording.reference, truth);
+    if (!result.forward.states.empty() && !smoothed)
+        out.states = state_errors(result.forward.states, c.filter.earth, data.recording.reference, truth);
+    else if (!truth.sensors.empty()) out.states = state_errors_by_sigmas(solution, result.states, out.errors, reference, truth);
     return out;
+}
+
+void warn_of_other_point(const Evaluation& e, WarningLog& warnings) {
+    if (e.at_another_point)
+        warnings.add(
+            "reference.point",
+            "reference: it has no attitude that would show where the antenna is, and the solution is that of the antenna: "
+            "the errors contain the lever arm (gnss.lever_arm_m)");
 }
 
 Evaluation compare(const earth::Earth& earth, const std::vector<SolutionRow>& rows, const std::vector<ReferenceSample>& reference,

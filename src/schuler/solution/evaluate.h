@@ -25,6 +25,7 @@ struct AidConsistency {
 
 struct Evaluation {
     std::string reference;                           ///< "truth", "file", "gnss" or empty
+    bool at_another_point = false;                   ///< its errors contain the lever arm, see warn_of_other_point
     Time settled;                                    ///< errors are evaluated from here on
     std::vector<analysis::ErrorRow> errors;          ///< of the solution (smoothed if available)
     std::vector<analysis::ErrorRow> errors_forward;  ///< of the filter, if smoothed
@@ -38,12 +39,16 @@ struct Evaluation {
     std::optional<Eigen::Vector3d> accel_bias_error;          ///< m/s^2
     std::vector<analysis::SeparationRow> separation;          ///< forward minus backward filter, where requested
     analysis::SeparationSummary separated;                    ///< its statistics, without the settling time of both
-    std::vector<StateErrors> states;                          ///< of the filter, once per second (simulated data)
+    std::vector<StateErrors> states;                          ///< of the solution, once per second (simulated data)
 };
 
-/// Evaluates a result against the reference of the data set, or against withheld GNSS in outages if there is none.
+/// Evaluates a result against the reference of the data set, or against withheld GNSS in outages if there is none. A solution of the antenna
+/// (scheme gnss) is compared with the reference at the antenna, where its attitude shows that.
 /// `truth`: of simulated data, empty otherwise.
 [[nodiscard]] Evaluation evaluate(const LoadedDataset& data, const fusion::Result& result, const HiddenTruth& truth);
+
+/// Warns if the solution is the motion of the antenna and the reference that of the IMU, without the attitude that relates them.
+void warn_of_other_point(const Evaluation& evaluation, WarningLog& warnings);
 
 /// Errors of one trajectory relative to another, without a filter. `settle`: s after the first common epoch.
 [[nodiscard]] Evaluation compare(const earth::Earth& earth, const std::vector<SolutionRow>& rows,

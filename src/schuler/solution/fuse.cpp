@@ -6,6 +6,7 @@
 #include "schuler/settings/scenario/scenario.h"
 #include "schuler/solution/aided_receiver.h"
 #include "schuler/solution/bundle.h"
+#include "schuler/solution/evaluate.h"
 #include "schuler/solution/gnss_only.h"
 #include "schuler/solution/load_ranges.h"
 #include "schuler/solution/loaded_dataset.h"
@@ -142,6 +143,7 @@ void fuse_and_evaluate(ResultBundle& bundle, WarningLog& warnings, double output
     if (bundle.result.forward.rows.empty())
         throw computation_error("the filter gave no solution", "look at the warnings and at `schuler inspect`");
     bundle.evaluation = evaluate(bundle.data, bundle.result, bundle.truth);
+    warn_of_other_point(bundle.evaluation, warnings);
 }
 
 }  // namespace schuler::solution

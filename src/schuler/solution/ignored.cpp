@@ -281,6 +281,8 @@ std::vector<Ignored> ignored_of(const ResultBundle& b, const std::set<std::strin
     std::ranges::move(sensor_rules(b), std::back_inserter(rules));
     if (b.data.config.scheme == settings::Scheme::Gnss && b.command != "gravity")
         rules.insert(rules.begin(), {{{"output.at_antenna"}, "the solution is that of the receiver"},
+                                     {{"gnss.lever_arm_m"},
+                                      unless(!b.data.recording.reference.empty(), "the scheme is \"gnss\": there is no filter")},
                                      {{"output.files"},
                                       unless(!b.data.config.output.wants("states") && !b.data.config.output.wants("covariance"),
                                              "\"states\" and \"covariance\" are those of a filter, and the scheme is \"gnss\"")},
@@ -296,7 +298,6 @@ std::vector<Ignored> ignored_of(const ResultBundle& b, const std::set<std::strin
                                        "gauges.",
                                        "log.",
                                        "ranges.",
-                                       "gnss.lever_arm_m",
                                        "gnss.use_velocity",
                                        "gnss.latency_std_s",
                                        "gnss.velocity_latency_std_s",

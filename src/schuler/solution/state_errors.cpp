@@ -3,10 +3,13 @@
 #include "schuler/core/units.h"
 #include "schuler/earth/enu.h"
 #include "schuler/math/rotation.h"
+#include "schuler/math/steep_attitude.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace schuler::solution {
@@ -30,6 +33,68 @@ double normalised(const Vector3d& error, const Matrix3d& covariance, int dof) {
     if (factor.info() != Eigen::Success) return nan;
     return factor.matrixL().solve(Eigen::VectorXd(error.head(dof))).squaredNorm();
 }
+
+StateErrors nothing_at(Time time) {
+    StateErrors e;
+    e.time = time;
+    e.error.fill(not_given3());
+    e.nees.fill(nan);
+    return e;
+}
+
+/// NaN without a sigma.
+double normalised(const Vector3d& error, const Vector3d& sigma) {
+    const double square = error.cwiseQuotient(sigma).squaredNorm();
+    return std::isfinite(square) ? square : nan;
+}
+
+/// Position, velocity and attitude of an error row.
+StateErrors navigation_errors(const analysis::ErrorRow& row, const ReferenceSample* reference) {
+    StateErrors e = nothing_at(row.time);
+    e.error[0] = row.position;
+    e.error[1] = row.velocity;
+    if (reference != nullptr)
+        e.error[2] = earth::enu_from_ned(math::attitude_error_from_phi(reference->rpy).partialPivLu().solve(row.rpy));
+    e.nees[0] = normalised(row.position, row.std_position);
+    e.nees[1] = normalised(row.velocity, row.std_velocity);
+    e.nees[2] = normalised(row.rpy, row.std_rpy);
+    return e;
+}
+
+/// Blocks of the parameters that have a true value, with their indices in state_block_names().
+class ParameterErrors {
+public:
+    explicit ParameterErrors(const std::vector<fusion::LayoutBlock>& blocks) : blocks_(blocks) {}
+
+    void add(StateErrors& e, const fusion::ParameterRow& row, const HiddenTruth& truth) const {
+        if (const sim::SensorTruth* t = at(truth.sensors, row.time)) {
+            add(e, 3, "gyro_bias", row, t->gyro_bias, false);
+            add(e, 4, "accel_bias", row, t->accel_bias, false);
+        }
+        if (const sim::GnssTruth* t = at(truth.gnss, row.time)) {
+            add(e, 5, "gnss_position_error", row, t->position, true);
+            add(e, 6, "gnss_velocity_error", row, t->velocity, true);
+        }
+        if (const sim::BaroTruth* t = at(truth.baro, row.time)) add(e, 7, "baro_bias", row, Vector3d(t->bias, 0.0, 0.0), false);
+    }
+
+private:
+    void add(StateErrors& e, std::size_t k, std::string_view name, const fusion::ParameterRow& row, const Vector3d& value,
+             bool level) const {
+        const auto block = std::ranges::find(blocks_, name, &fusion::LayoutBlock::name);
+        if (block == blocks_.end()) return;
+        const auto first = static_cast<std::size_t>(block->offset - fusion::Layout::navigation);
+        Vector3d error = Vector3d::Zero(), sigma = Vector3d::Ones();
+        for (int i = 0; i < block->size; ++i) {
+            error[i] = row.value[first + static_cast<std::size_t>(i)] - value[i];
+            sigma[i] = row.std[first + static_cast<std::size_t>(i)];
+        }
+        e.nees[k] = normalised(error, sigma);
+        e.error[k] = level ? earth::enu_from_ned(error) : error;
+    }
+
+    const std::vector<fusion::LayoutBlock>& blocks_;
+};
 
 }  // namespace
 
@@ -92,6 +157,25 @@ std::vector<StateErrors> state_errors(const std::vector<fusion::StateRow>& rows,
         const Vector3d bias(baro != nullptr ? baro->bias : nan, 0.0, 0.0);
         add_block(row.baro_bias, baro != nullptr ? &bias : nullptr, false);
         out.push_back(e);
+    }
+    return out;
+}
+
+std::vector<StateErrors> state_errors_by_sigmas(const fusion::Trajectory& trajectory,
+                                                const std::vector<fusion::LayoutBlock>& blocks,
+                                                const std::vector<analysis::ErrorRow>& errors,
+                                                const std::vector<ReferenceSample>& reference, const HiddenTruth& truth) {
+    std::vector<StateErrors> out;
+    if (trajectory.parameters.empty()) {
+        for (const analysis::ErrorRow& e : errors) out.push_back(navigation_errors(e, at(reference, e.time)));
+        return out;
+    }
+    const ParameterErrors parameters(blocks);
+    for (const fusion::ParameterRow& row : trajectory.parameters) {
+        const analysis::ErrorRow* e = at(errors, row.time);
+        if (e == nullptr) continue;
+        out.push_back(navigation_errors(*e, at(reference, e->time)));
+        parameters.add(out.back(), row, truth);
     }
     return out;
 }

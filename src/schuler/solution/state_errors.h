@@ -1,6 +1,7 @@
 // Errors of a filter's states relative to a simulated truth, by block, normalised by the filter's own covariances.
 #pragma once
 
+#include "schuler/analysis/errors.h"
 #include "schuler/core/samples.h"
 #include "schuler/earth/earth.h"
 #include "schuler/fusion/result.h"
@@ -48,5 +49,14 @@ struct StateErrors {
 /// One row for each state row whose time is also a time of the reference.
 [[nodiscard]] std::vector<StateErrors> state_errors(const std::vector<fusion::StateRow>& rows, const earth::Earth& earth,
                                                     const std::vector<ReferenceSample>& reference, const HiddenTruth& truth);
+
+/// Those of a trajectory without state rows (a smoothed one, the receiver's own), from its errors, parameters and sigmas: normalised
+/// component by component, because it has no covariances. One row for each row of parameters at the time of an error, or for each
+/// error if there are no parameters. `blocks`: Result::states.
+[[nodiscard]] std::vector<StateErrors> state_errors_by_sigmas(const fusion::Trajectory& trajectory,
+                                                              const std::vector<fusion::LayoutBlock>& blocks,
+                                                              const std::vector<analysis::ErrorRow>& errors,
+                                                              const std::vector<ReferenceSample>& reference,
+                                                              const HiddenTruth& truth);
 
 }  // namespace schuler::solution

@@ -11,6 +11,7 @@
 #include "schuler/solution/bundle.h"
 #include "schuler/solution/events.h"
 #include "schuler/solution/ignored.h"
+#include "schuler/solution/ignored_here.h"
 #include "schuler/solution/loaded_dataset.h"
 
 #include <algorithm>
@@ -81,7 +82,7 @@ report::Outcome ahrs_dataset(const AhrsRequest& request) {
     const auto wants = [&](std::string_view file) { return config.output.wants(file); };
     if (wants("states") || wants("covariance") || wants("mat"))
         b.ignored.push_back({"output.files", "attitude filters write no \"states\", \"covariance\" or \"mat\""});
-    solution::warn_of_ignored(b.ignored, warnings);
+    solution::warn_of_ignored_here(b.ignored, request.common.above, warnings);
     AhrsInput input = ahrs_input(b.data, request, warnings);
     b.filter = request.filter;
     b.offline = request.offline;

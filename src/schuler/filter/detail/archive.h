@@ -173,6 +173,7 @@ void archive(Archive& a, SamplePool<Sample>& pool) {
 SCHULER_ARCHIVED(GatheredMotion, time, distance, force, force2, acceleration, rotation, turn, turn2, v_g, p_g, gain_turn,
                  gain_v_g, gain_p_g, gain_v_a, gain_p_a, gyro, accel)
 SCHULER_ARCHIVED(StateProcess, decay, psd)
+SCHULER_ARCHIVED(LateFix, velocity, latency)
 SCHULER_ARCHIVED(Withheld, change, limit, covered, noise)
 SCHULER_ARCHIVED(RecentChange, mean, square, derivative_square)
 SCHULER_ARCHIVED(RecentMean, lags, lag)

@@ -257,12 +257,7 @@ void InertialFilter<Frame>::fill_transition(const InertialModel& model, const He
         phi.rows.col(Layout::position + i).template segment<3>(Layout::attitude) += 0.5 * gathered.time * column(i) * force.down;
     }
     if (model.eccentric()) withhold_lever_arm(model, force.down, phi);
-    if (const int late = model.layout.gnss_latency; late >= 0) {
-        for (int i = 0; i < 3; ++i) {
-            phi.rows(late, Layout::position + i) += velocity_corrected(i);
-            phi.rows(Layout::velocity + i, Layout::position + i) += latency_corrected;
-        }
-    }
+    late_fix.fill(model.layout, phi);
     if (model.layout.gravity_constant >= 0)
         fill_disturbance(model.disturbance, model.layout, gathered.time, gathered.distance, disturbance_axes(model), phi);
     gathered.add_earth(Frame::dynamics(model.earth, nav, Vector3d::Zero()), phi);
@@ -320,8 +315,7 @@ bool InertialFilter<Frame>::propagate_covariance(const InertialModel& model, est
     withheld = force.withheld;
     antenna_moved.setZero();
     arm_turned.setZero();
-    velocity_corrected.setZero();
-    latency_corrected = 0.0;
+    late_fix = {};
     estim::add(P.diagonal().head(used), cached_q.head(used));
     if (L.clock >= 0) {
         const double cross = 0.5 * model.drift_psd * T * T;
@@ -389,10 +383,7 @@ Eigen::Vector3d InertialFilter<Frame>::sigma_apart(const InertialModel& model, c
 template <class Frame>
 void InertialFilter<Frame>::apply(const InertialModel& model, const StateVector& dx) {
     withheld.correct(-horizontal_part(dx.segment<3>(Layout::velocity), down_axis(model)));
-    if (model.layout.gnss_latency >= 0) {
-        velocity_corrected -= dx.segment<3>(Layout::velocity);
-        latency_corrected -= dx(model.layout.gnss_latency);
-    }
+    late_fix.correct(model.layout, dx);
     const auto attitude = [&] { return Matrix3d(math::dcm_from_rotation_vector(error.segment<3>(Layout::attitude)) * C); };
     const Matrix3d before = model.eccentric() ? attitude() : Matrix3d::Zero();
     if (model.eccentric()) antenna_moved += before * lever_arm(model);

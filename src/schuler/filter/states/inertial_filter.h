@@ -11,6 +11,7 @@
 #include "schuler/filter/states/frame.h"
 #include "schuler/filter/states/gathered_motion.h"
 #include "schuler/filter/states/heading_force.h"
+#include "schuler/filter/states/late_fix.h"
 #include "schuler/filter/states/layout.h"
 #include "schuler/filter/states/recent_change.h"
 #include "schuler/filter/states/recent_mean.h"
@@ -103,11 +104,7 @@ struct InertialFilter {
     /// give the antenna; the covariance keeps what is known of it, so that a correction of the heading is no information on it.
     Eigen::Vector3d antenna_moved = Eigen::Vector3d::Zero();
     Eigen::Matrix3d arm_turned = Eigen::Matrix3d::Zero();  ///< the same of the row of the lever arm, if it is a state
-    /// m/s and s: corrections of velocity and latency since the last propagation. A late fix gives the position of an instant before;
-    /// the covariance keeps what is known of that one: else corrections of the velocity, which are noise, would be taken for motion
-    /// and show a latency that only an acceleration can show.
-    Eigen::Vector3d velocity_corrected = Eigen::Vector3d::Zero();
-    double latency_corrected = 0.0;
+    LateFix late_fix;
     Withheld withheld;          ///< from the column of the heading
     double cached_time = -1.0;  ///< of decay and noise below, s
     StateVector cached_diagonal, cached_q;

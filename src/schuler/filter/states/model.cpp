@@ -270,7 +270,8 @@ public:
 
     template <int Size>
     void set(int offset, const Eigen::Matrix<double, Size, 1>& sigma) {
-        if (offset >= 0) f_.P.diagonal().template segment<Size>(offset) = sigma.cwiseAbs2().template cast<estim::CovarianceScalar>();
+        if (offset >= 0)
+            f_.P.diagonal().template segment<Size>(offset) = sigma.cwiseAbs2().template cast<estim::CovarianceScalar>();
     }
     void set(int offset, int count, double sigma) {
         if (offset >= 0) f_.P.diagonal().segment(offset, count).setConstant(sigma * sigma);

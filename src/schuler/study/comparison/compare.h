@@ -27,6 +27,7 @@ struct ComparedRun {
     std::vector<WindowStatistics> windows;        ///< one per window of the comparison
     ErrorCourse course;                           ///< for plotting
     std::vector<scenario::ReceiverRow> receiver;  ///< for a receiver at correlator level
+    bool unsmoothed = false;                      ///< smoothing was requested, and the scheme has no smoother
 };
 
 /// The numbers of satellites of runs ordered by them.
@@ -57,6 +58,11 @@ struct Comparison {
 /// The scenario with the given number of satellites; unchanged without one. @throws Error(Input) if it has no limit to change.
 [[nodiscard]] settings::ScenarioConfig with_satellites(const settings::ScenarioConfig& scenario,
                                                        std::optional<std::size_t> satellites);
+/// Fuses and evaluates a run of a comparison: smoothed if that is requested and its scheme has a smoother, never backward in time, which a
+/// comparison does not show. True if it is not smoothed although that is requested. @throws Error
+[[nodiscard]] bool fuse_compared(solution::ResultBundle& bundle, WarningLog& warnings, double output_rate);
+/// The warning that names the schemes without a smoother; empty if all have one.
+[[nodiscard]] std::vector<std::string> warning_of_unsmoothed(const std::vector<const settings::KnownScheme*>& schemes);
 /// The compared results of an evaluated run; scheme and satellites are set by the caller.
 [[nodiscard]] ComparedRun compared_run(const solution::ResultBundle& bundle, const settings::ScenarioConfig& scenario);
 

@@ -9,12 +9,14 @@
 #include "schuler/solution/bundle.h"
 #include "schuler/solution/fuse.h"
 #include "schuler/solution/ignored.h"
+#include "schuler/solution/ignored_here.h"
 #include "schuler/study/comparison/compare.h"
 #include "schuler/study/montecarlo/montecarlo.h"
 
 #include <algorithm>
 #include <chrono>
 #include <functional>
+#include <iterator>
 #include <set>
 #include <span>
 
@@ -30,6 +32,7 @@ struct Kept {
     SquaredCourse course;
     bool report_wanted = false;
     std::vector<solution::Ignored> ignored;  ///< of the first seed: settings without effect on the scheme
+    WarningLog warnings;
     std::string failure;
 };
 
@@ -37,12 +40,12 @@ struct Kept {
 Kept kept_of(const settings::ScenarioConfig& flight, const settings::SettingList& over, const std::set<std::string>& asked,
              const sim::ExactFlight* flown) {
     Kept out;
-    WarningLog unheard;
-    solution::ResultBundle bundle = solution::simulated_bundle(flight, over, unheard, nullptr, flown);
-    solution::fuse_and_evaluate(bundle, unheard, flight.sim.reference_rate, {});
+    solution::ResultBundle bundle = solution::simulated_bundle(flight, over, out.warnings, nullptr, flown);
+    const bool unsmoothed = fuse_compared(bundle, out.warnings, flight.sim.reference_rate);
     bundle.command = "montecarlo";
     if (!asked.empty()) out.ignored = solution::ignored_of(bundle, asked);
     out.run = compared_run(bundle, flight);
+    out.run.unsmoothed = unsmoothed;
     out.run.course = {};
     out.run.receiver = {};
     out.course.add(bundle.evaluation.errors, flight.sim.origin, flight.sim.duration);
@@ -65,6 +68,24 @@ analysis::EnsembleConsistency nees_of(std::span<const Kept> runs, std::size_t bl
         for (std::size_t k = 0; k < runs[r].nees.size(); ++k)
             values(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(k)) = runs[r].nees[k][block];
     return analysis::ensemble_consistency(values, 3.0);
+}
+
+/// Settings without effect on any scheme, with the reason of the first one that has a filter.
+std::vector<solution::Ignored> common_to_schemes(const CompareCampaign& c, std::span<const Kept> all, std::size_t runs) {
+    const auto has_filter = [](const SchemeCampaign& s) {
+        return std::string_view(s.scheme->name) != "gnss" && s.failures.empty();
+    };
+    const auto first = std::ranges::find_if(c.schemes, has_filter);
+    const auto leading = static_cast<std::size_t>(first == c.schemes.end() ? 0 : first - c.schemes.begin());
+    std::vector<solution::Ignored> out = all[leading * runs].ignored;
+    for (std::size_t i = 0; i < c.schemes.size(); ++i) {
+        const Kept& kept = all[i * runs];
+        if (!kept.failure.empty()) continue;  // it shows no effect of anything
+        std::erase_if(out, [&](const solution::Ignored& x) {
+            return std::ranges::find(kept.ignored, x.key, &solution::Ignored::key) == kept.ignored.end();
+        });
+    }
+    return out;
 }
 
 }  // namespace
@@ -122,7 +143,9 @@ CompareCampaign compare_campaign(const settings::SettingList& base, const settin
     for (std::size_t i = 0; i < c.schemes.size(); ++i) {
         SchemeCampaign& s = c.schemes[i];
         const std::span<const Kept> own(all.data() + i * runs, runs);
-        for (const Kept& k : own) {
+        for (std::size_t run = 0; run < runs; ++run) {
+            const Kept& k = own[run];
+            s.warnings.add(run, c.seeds[run], k.warnings);
             s.course.add(k.course);
             s.numbers.push_back(k.run.numbers);
             s.windows.push_back(k.run.windows);
@@ -132,22 +155,33 @@ CompareCampaign compare_campaign(const settings::SettingList& base, const settin
                 for (const std::array<double, 3>& e : k.nees) sum += e[block];
                 mean[block] = k.nees.empty() ? not_given : sum / (3.0 * static_cast<double>(k.nees.size()));
             }
+            s.unsmoothed |= k.run.unsmoothed;
             if (!k.failure.empty()) s.failures.push_back(k.failure);
         }
         for (std::size_t block = 0; block < 3; ++block) s.nees[block] = nees_of(own, block);
     }
-    c.ignored = all.front().ignored;  // common to all schemes
-    for (std::size_t i = 1; i < c.schemes.size(); ++i)
-        std::erase_if(c.ignored, [&](const solution::Ignored& x) {
-            return std::ranges::find(all[i * runs].ignored, x.key, &solution::Ignored::key) == all[i * runs].ignored.end();
-        });
+    c.ignored = common_to_schemes(c, all, runs);
     c.report_wanted = all.front().report_wanted;
     c.wall_s = solution::seconds_since(begin);
     return c;
 }
 
+std::vector<std::string> CompareCampaign::warnings() const {
+    std::vector<const settings::KnownScheme*> without_smoother;
+    for (const SchemeCampaign& s : schemes)
+        if (s.unsmoothed) without_smoother.push_back(s.scheme);
+    std::vector<std::string> out = warning_of_unsmoothed(without_smoother);
+    for (const SchemeCampaign& s : schemes) {
+        const std::string name = s.satellites ? fmt::format("{}, {} satellites", s.scheme->name, *s.satellites) : s.scheme->name;
+        for (const std::string& line : s.warnings.lines(seeds.size() - s.failures.size()))
+            out.push_back(fmt::format("{}: {}", name, line));
+    }
+    return out;
+}
+
 report::Outcome montecarlo_of_schemes(const settings::ProcessRequest& request, std::size_t runs, int jobs) {
-    const CompareCampaign c = compare_campaign(request, runs, jobs);
+    CompareCampaign c = compare_campaign(request, runs, jobs);
+    solution::add_unmade_check(c.ignored, request.above);
     report::Outcome out;
     out.folder = request.output.empty() ? std::filesystem::path("out") / (c.name + "-montecarlo") : request.output;
     report::make_folder(out.folder);
@@ -160,8 +194,9 @@ report::Outcome montecarlo_of_schemes(const settings::ProcessRequest& request, s
     if (c.report_wanted) write("report.html", report::render(campaign_report(c)));
     write("summary.json", out.json);  // last: when it exists, all other files exist
     WarningLog without_effect;
-    solution::warn_of_ignored(c.ignored, without_effect);
+    solution::warn_of_ignored_here(c.ignored, request.above, without_effect);
     out.warnings = without_effect.summary();
+    std::ranges::copy(c.warnings(), std::back_inserter(out.warnings));
     for (const SchemeCampaign& s : c.schemes)
         for (const std::string& failure : s.failures) out.warnings.push_back(fmt::format("{}, {}", s.scheme->name, failure));
     for (const SchemeCampaign& s : c.schemes) {

@@ -11,6 +11,7 @@
 #include "schuler/settings/scenario/comparison.h"
 #include "schuler/solution/ignored.h"
 #include "schuler/study/comparison/compare_windows.h"
+#include "schuler/study/montecarlo/run_warnings.h"
 
 #include <array>
 #include <cstddef>
@@ -43,6 +44,8 @@ struct SchemeCampaign {
     std::array<analysis::EnsembleConsistency, 3> nees;  ///< position, velocity, attitude; NaN if the scheme has no covariance
     SquaredCourse course;                               ///< of all runs together
     std::vector<std::string> failures;                  ///< of the runs that failed, with their seed
+    RunWarnings warnings;                               ///< of the others
+    bool unsmoothed = false;                            ///< smoothing was requested, and the scheme has no smoother
 };
 
 struct CompareCampaign {
@@ -59,6 +62,8 @@ struct CompareCampaign {
     double wall_s = 0.0;
 
     [[nodiscard]] bool with_satellites() const { return schemes.front().satellites.has_value(); }
+    /// Which schemes are not smoothed, and those of the runs: one line per scheme and topic.
+    [[nodiscard]] std::vector<std::string> warnings() const;
 };
 
 /// Runs every scheme compared in the scenario with the seed of the scenario, that seed plus one, and so on: all schemes use the

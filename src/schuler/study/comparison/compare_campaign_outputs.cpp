@@ -138,7 +138,8 @@ std::string campaign_json(const CompareCampaign& c) {
         // clang-format off
                         {"montecarlo", {{"runs", c.seeds.size()}, {"failed", failed}, {"runs_per_s", report::json_number(all / c.wall_s)}}},
                         {"timing", {{"wall_s", c.wall_s}}},
-        {"ignored", report::ignored_json(c.ignored)}});
+        {"ignored", report::ignored_json(c.ignored)},
+        {"warnings", c.warnings()}});
     // clang-format on
 }
 

@@ -184,7 +184,8 @@ std::string comparison_json(const Comparison& c) {
         }
         rows.push_back(std::move(row));
     }
-    return report::text_of(report::Json{{"name", c.name}, {"command", "run"}, {"seed", c.seed}, {"schemes", rows}});
+    return report::text_of(
+        report::Json{{"name", c.name}, {"command", "run"}, {"seed", c.seed}, {"schemes", rows}, {"warnings", c.warnings}});
 }
 
 }  // namespace schuler::study

@@ -16,6 +16,7 @@
 #include "schuler/solution/events.h"
 #include "schuler/solution/fuse.h"
 #include "schuler/solution/ignored.h"
+#include "schuler/solution/ignored_here.h"
 #include "schuler/solution/loaded_dataset.h"
 
 #include <algorithm>
@@ -177,12 +178,13 @@ GravitySeparation separation_of(const GravityBundle& b) {
     return out;
 }
 
-/// From loaded data to the survey and its results. `asked`: keys of given settings.
-void estimate(GravityBundle& b, const std::set<std::string>& asked, WarningLog& warnings) {
+/// From loaded data to the survey and its results. `asked`: keys of given settings; `command_line`: those of them that were typed.
+void estimate(GravityBundle& b, const std::set<std::string>& asked, const settings::SettingList& command_line,
+              WarningLog& warnings) {
     b.run.command = "gravity";
     b.run.ignored = solution::leave_out_chosen(b.run.data, true);
     std::ranges::move(solution::ignored_of(b.run, asked), std::back_inserter(b.run.ignored));
-    solution::warn_of_ignored(b.run.ignored, warnings);
+    solution::warn_of_ignored_here(b.run.ignored, command_line, warnings);
     settings::Config& c = b.run.data.config;
     c.scheme = settings::Scheme::Loose;
     c.filter.coupling = fusion::Coupling::Loose;
@@ -291,7 +293,7 @@ GravityBundle gravity_of_scenario(const settings::ScenarioConfig& scenario, cons
     b.run.data.read_seconds = solution::seconds_since(begin);
     b.run.version = request.version;
     b.over_ground = scenario.sim.anomaly.empty();
-    estimate(b, settings::keys_of_processing(scenario, request.over({})), warnings);
+    estimate(b, settings::keys_of_processing(scenario, request.over({})), request.above, warnings);
     return b;
 }
 
@@ -305,7 +307,7 @@ GravityBundle gravity_survey(const settings::ProcessRequest& request, WarningLog
     b.run.version = request.version;
     b.run.data = solution::load_dataset(dataset, config, warnings);
     notice = dataset.inferred_toml;
-    estimate(b, b.run.data.given, warnings);
+    estimate(b, b.run.data.given, request.above, warnings);
     return b;
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view magic = "schuler campaign 1\n";
+constexpr std::string_view magic = "schuler campaign 2\n";
 
 /// 0 for "checkpoint-0.bin"; negative for other names.
 int rank_in(const std::string& name, std::string_view kind) {

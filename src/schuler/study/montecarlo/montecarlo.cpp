@@ -7,11 +7,13 @@
 #include "schuler/solution/bundle.h"
 #include "schuler/solution/fuse.h"
 #include "schuler/solution/ignored.h"
+#include "schuler/solution/ignored_here.h"
 #include "schuler/study/comparison/compare_campaign.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <mutex>
 #include <set>
 
@@ -58,9 +60,8 @@ double epoch_step(const settings::ScenarioConfig& scenario) {
 
 void fill(MonteCarloRun& run, const settings::ScenarioConfig& scenario, const settings::SettingList& over, double step,
           const sim::ExactFlight* flown) {
-    WarningLog unheard;
-    solution::ResultBundle bundle = solution::simulated_bundle(scenario, over, unheard, nullptr, flown);
-    solution::fuse_and_evaluate(bundle, unheard, scenario.sim.reference_rate, {});
+    solution::ResultBundle bundle = solution::simulated_bundle(scenario, over, run.warnings, nullptr, flown);
+    solution::fuse_and_evaluate(bundle, run.warnings, scenario.sim.reference_rate, {});
     const settings::Config& c = bundle.data.config;
     run.scheme = settings::scheme_name(c.scheme);
     run.mechanization = c.filter.mechanization == fusion::Mechanization::Geographic ? "geographic" : "ecef";
@@ -367,8 +368,13 @@ MonteCarlo montecarlo(const CampaignRequest& request) {
                                 fmt::format("try `schuler run` with --seed {}", first.seed));
     }
     mc.ignored = without_effect(scenario, over, flights.flown.get());
+    solution::add_unmade_check(mc.ignored, request.common.above);
     mc.wall_s = solution::seconds_since(begin);
     return mc;
+}
+
+std::vector<std::string> warnings_of_runs(const MonteCarlo& mc) {
+    return mc.statistics().warnings.lines(mc.runs - mc.statistics().failed);
 }
 
 report::Outcome run_montecarlo(const CampaignRequest& request) {
@@ -404,8 +410,9 @@ report::Outcome run_montecarlo(const CampaignRequest& request) {
     CampaignPart::remove_from(mc.folder);
     if (request.team) request.team->wait();
     WarningLog ignored;
-    solution::warn_of_ignored(mc.ignored, ignored);
+    solution::warn_of_ignored_here(mc.ignored, request.common.above, ignored);
     out.warnings = ignored.summary();
+    std::ranges::copy(warnings_of_runs(mc), std::back_inserter(out.warnings));
     constexpr std::size_t told = 20;
     const std::size_t most = out.warnings.size() + told;
     const auto& failures = mc.statistics().failures;

@@ -52,6 +52,8 @@ struct MonteCarlo {
 /// does not depend on jobs, processes or interruptions. In processes other than 0 of a team it is empty. @throws Error if no run succeeds.
 [[nodiscard]] MonteCarlo montecarlo(const CampaignRequest& request);
 
+/// Warnings of its successful runs: one line per topic.
+[[nodiscard]] std::vector<std::string> warnings_of_runs(const MonteCarlo& campaign);
 /// summary.json of a campaign; everything except montecarlo.runs_per_s and timing depends on the input alone.
 [[nodiscard]] std::string summary_json(const MonteCarlo& campaign);
 /// The same as readable text.

@@ -161,6 +161,7 @@ std::string summary_json(const MonteCarlo& mc) {
     out["mechanization"] = s.head.mechanization;
     out["loop"] = s.head.loop;
     out["smoothed"] = s.head.smoothed;
+    out["point"] = s.head.scheme == settings::scheme_name(settings::Scheme::Gnss) ? "antenna" : "imu";
     out["seed"] = mc.seed + mc.first;
     out["version"] = mc.version;
     out["reference"] = "truth";
@@ -203,7 +204,7 @@ std::string summary_json(const MonteCarlo& mc) {
     if (s.swept) out["montecarlo"]["sweep"] = report::table_json(sweep_table(mc));
     out["timing"] = {{"wall_s", mc.wall_s}};
     out["ignored"] = report::ignored_json(mc.ignored);
-    out["warnings"] = report::Json::array();
+    out["warnings"] = warnings_of_runs(mc);
     return report::text_of(out);
 }
 
@@ -232,7 +233,8 @@ std::string error_table(const CampaignStatistics& s) {
 }
 
 std::string block_table(const CampaignStatistics& s) {
-    ResultTable table = report::table_for_people("", {"states", "rms", "5 %", "median", "95 %"});
+    ResultTable table =
+        report::table_for_people("", {s.head.smoothed ? "states, smoothed" : "states", "rms", "5 %", "median", "95 %"});
     for (std::size_t b = 2; b < solution::state_blocks; ++b) {  // position and velocity are above
         const solution::StateBlockName& name = solution::state_block_names()[b];
         if (!s.present(b)) continue;
@@ -256,8 +258,9 @@ std::string outage_table(const std::vector<PooledOutage>& outages) {
 }
 
 std::string consistency_table(const CampaignStatistics& s) {
-    ResultTable table = report::table_for_people("", {"consistency", "mean", "expected", "95 % bounds: from", "to",
-                                                      "epochs inside", "rejected", "lag 1", "mean in its bounds"});
+    ResultTable table =
+        report::table_for_people("", {s.head.smoothed ? "consistency, NEES smoothed" : "consistency", "mean", "expected",
+                                      "95 % bounds: from", "to", "epochs inside", "rejected", "lag 1", "mean in its bounds"});
     table.columns[5].format = ".0f%";
     const auto add = [&](const std::string& name, double mean, double expected, double low, double high, std::vector<Cell> rest) {
         std::vector<Cell>& row = table.rows.emplace_back(std::vector<Cell>{name, mean, expected, low, high});

@@ -218,6 +218,7 @@ void CampaignStatistics::add(const MonteCarloRun& run) {
     add_states(*this, run);
     add_aids(*this, run);
     add_outages(*this, run);
+    warnings.add(run.run, run.seed, run.warnings);
 }
 
 void CampaignStatistics::merge(const CampaignStatistics& other) {
@@ -266,6 +267,7 @@ void CampaignStatistics::merge(const CampaignStatistics& other) {
     for (const auto& [point, from] : other.points) merge_point(points[point], from);
     failures.insert(other.failures.begin(), other.failures.end());
     keep_lowest(failures);
+    warnings.merge(other.warnings);
 }
 
 analysis::EnsembleConsistency CampaignStatistics::consistency(std::size_t b) const {

@@ -10,6 +10,7 @@
 #include "schuler/settings/value.h"
 #include "schuler/solution/evaluate.h"
 #include "schuler/solution/state_errors.h"
+#include "schuler/study/montecarlo/run_warnings.h"
 
 #include <array>
 #include <cstdint>
@@ -48,6 +49,7 @@ struct MonteCarloRun {
     std::vector<solution::StateErrors> states;  ///< from the start on
     std::vector<solution::AidConsistency> aids;
     std::vector<analysis::OutageStatistics> outages;
+    WarningLog warnings;
 
     [[nodiscard]] bool failed() const { return !failure.empty(); }
 };
@@ -133,6 +135,7 @@ struct CampaignStatistics {
     std::map<std::uint64_t, PointStatistics> points;  ///< only with sweeps
     bool swept = false;
     std::map<std::uint64_t, Failure> failures;  ///< by run number
+    RunWarnings warnings;                       ///< of the successful runs
 
     void add(const MonteCarloRun& run);
     void merge(const CampaignStatistics& other);

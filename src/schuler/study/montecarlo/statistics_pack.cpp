@@ -191,6 +191,12 @@ void whole(Archive& a, Statistics& s) {
         to(x.seed);
         to(x.reason);
     });
+    map<std::string>(a, s.warnings.topics, [](auto& to, auto& x) {
+        to(x.first_run);
+        to(x.seed);
+        to(x.runs);
+        to(x.text);
+    });
 }
 
 }  // namespace
