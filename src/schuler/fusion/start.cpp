@@ -262,6 +262,12 @@ Start found_start(const RunData& data, const Settings& settings, Findings& findi
     const StillStart still = still_at(data, t0);
     const bool standing = still.length >= 1.0;
     if (standing) {
+        const Vector3d& v = given.velocity_n;
+        if ((v.array().abs() > 3.0 * start.std_velocity.array() + 0.3).any())  // false where none is given
+            warnings.add("initial.velocity",
+                         fmt::format("the unit is at rest at the start, which contradicts the given initial velocity of {:.2f}, "
+                                     "{:.2f}, {:.2f} m/s (north, east, down): the start at rest is used",
+                                     v.x(), v.y(), v.z()));
         start.nav.v_eb_n.setZero();
         start.std_velocity.setConstant(0.1);
         start.velocity_of_fix.setZero();

@@ -208,6 +208,11 @@ std::vector<Rule> sensor_rules(const ResultBundle& b) {
     const fusion::InitialSettings& i = f.initial;
     const bool position = std::isfinite(i.position.lat) && std::isfinite(i.position.lon) && std::isfinite(i.position.h);
     return {
+        {{"baro.sea_level_pressure_pa"},
+         unless(!baro || std::ranges::any_of(r.baro, [](const BaroSample& x) { return std::isfinite(x.pressure); }),
+                "the log gives heights, not pressures")},
+        {{"imu.gyro_quantum_", "imu.gyro_temperature_", "imu.gyro_g_", "imu.accel_quantum_", "imu.accel_temperature_"},
+         unless(b.command != "process", "it is an error of simulated units; the filter has biases and white noise for it")},
         {{"baro.white_m", "baro.bias_", "baro.sea_level_pressure_pa", "baro.columns", "baro.scale", "baro.time_offset_s"},
          unless(baro, "no barometer is used")},
         {{"mag.declination_deg", "mag.heading_", "mag.axes", "mag.columns", "mag.scale", "mag.time_offset_s"},
@@ -230,10 +235,10 @@ std::vector<Rule> sensor_rules(const ResultBundle& b) {
         {{"compass."}, unless(f.heading.use && !r.heading.empty() && !c.aids.compass.file.empty(), "no compass is used")},
         {{"gnss.observations", "gnss.navigation"},
          unless(raw || !c.ranges.file.empty(), "gnss.file gives the fixes, and the coupling is loose")},
-        {{"gnss.elevation_mask_deg", "gnss.ionosphere", "gnss.troposphere"},
+        {{"gnss.elevation_mask_deg"},
          unless(raw && (!c.raw.observations.empty() || !r.ranges.empty()), "no raw measurements are used")},
-        {{"gnss.systems", "gnss.cn0_mask_db_hz", "gnss.code_std_m", "gnss.doppler_std_m_s", "gnss.precise", "gnss.phase_velocity",
-          "gnss.raim"},
+        {{"gnss.ionosphere", "gnss.troposphere", "gnss.systems", "gnss.cn0_mask_db_hz", "gnss.code_std_m", "gnss.doppler_std_m_s",
+          "gnss.precise", "gnss.phase_velocity", "gnss.raim"},
          unless(raw && !c.raw.observations.empty(), raw && !r.ranges.empty()
                                                         ? "the ranges are those of a table, not of observations"
                                                         : "no raw measurements are used")},
@@ -268,6 +273,7 @@ std::vector<Rule> sensor_rules(const ResultBundle& b) {
         {{"initial.lat_deg", "initial.lon_deg", "initial.height_m"},
          unless(position, "only latitude, longitude and height together are a position to start from")},
         {{"reference."}, unless(!r.reference.empty(), "there is no reference")},
+        {{"stations."}, unless(raw || !c.ranges.file.empty(), "no ranges are used")},
         {{"stations.coordinates", "stations.columns", "stations.scale"},
          unless(!c.ranges.file.empty(), "there is no stations.file")}};
 }
