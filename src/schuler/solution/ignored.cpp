@@ -137,8 +137,6 @@ std::vector<Rule> inertial_rules(const ResultBundle& b) {
         {{"gnss.latency_", "gnss.velocity_latency_", "gnss.height_latency_s", "gnss.velocity_down_latency_s", "gnss.jitter_s",
           "gnss.correlated_", "gnss.change_", "gnss.std_", "gnss.velocity_std_scale"},
          but_for_start(!tight, "the coupling takes ranges instead of fixes")},
-        {{"gnss.change_white_"},
-         unless(satellites_change(b), "the log shows no change of the satellites (gnss.constellation_change_s gives them)")},
         {{"filter.detect_wheels"},
          unless(f.vehicle != fusion::VehicleKind::Car || !f.aids.nonholonomic, "a car has the vehicle constraint without it")},
         {{"ranges.network_m"},
@@ -182,6 +180,7 @@ std::vector<Rule> gravity_rules(const ResultBundle& b) {
         {{"mag."}, by_survey("gravimetry uses no magnetometer")},
         {{"baro."}, unless(c.gravity.height_aid, by_survey("the barometer is used with gravity.height_aid only"))},
         {{"filter.self_check"}, "it belongs to `schuler process`"},
+        {{"imu.mounting_std_deg"}, by_survey("gravimetry uses no motion of the vehicle")},
         {{"ranges.", "stations."}, by_survey("gravimetry uses no ranges")}};
 }
 
@@ -208,6 +207,13 @@ std::vector<Rule> sensor_rules(const ResultBundle& b) {
     const fusion::InitialSettings& i = f.initial;
     const bool position = std::isfinite(i.position.lat) && std::isfinite(i.position.lon) && std::isfinite(i.position.h);
     return {
+        {{"gnss.change_"},
+         unless(satellites_change(b), "the log shows no change of the satellites (gnss.constellation_change_s gives them)")},
+        {{"gnss.correlated_time_s", "gnss.correlated_distance_m"},
+         unless(!f.gnss.errors.correlated_position.isZero(0.0), "the positions have no slow errors (gnss.correlated_m)")},
+        {{"gnss.correlated_velocity_time_s"},
+         unless(!f.gnss.errors.correlated_velocity.isZero(0.0),
+                "the velocities have no slow errors (gnss.correlated_velocity_m_s)")},
         {{"baro.sea_level_pressure_pa"},
          unless(!baro || std::ranges::any_of(r.baro, [](const BaroSample& x) { return std::isfinite(x.pressure); }),
                 "the log gives heights, not pressures")},
@@ -315,7 +321,13 @@ std::vector<Ignored> ignored_of(const ResultBundle& b, const std::set<std::strin
                                        "gnss.jitter_s",
                                        "gnss.found_lever_arm_std_m",
                                        "gnss.height_latency_s",
+                                       "gnss.velocity_latency_s",
+                                       "gnss.velocity_down_latency_s",
                                        "gravity.",
+                                       "earth.gravity",
+                                       "earth.rotation_rad_s",
+                                       "imu.stamp",
+                                       "imu.grade",
                                        "gnss.estimate_",
                                        "imu.gyro_",
                                        "imu.accel_",
