@@ -79,6 +79,11 @@ bool satellites_change(const ResultBundle& b) {
            std::ranges::adjacent_find(b.data.recording.gnss, another) != b.data.recording.gnss.end();
 }
 
+/// Whether there are errors against a reference that count.
+bool compares_after_start(const ResultBundle& b) {
+    return std::ranges::any_of(b.evaluation.errors, [&](const auto& e) { return e.time >= b.evaluation.settled; });
+}
+
 struct SourceKinds {
     std::size_t systems = 0;  ///< satellite systems
     bool stations = false;
@@ -292,50 +297,52 @@ std::vector<Ignored> ignored_of(const ResultBundle& b, const std::set<std::strin
     if (b.command == "montecarlo") std::ranges::move(campaign_rules(b), std::back_inserter(rules));
     std::ranges::move(sensor_rules(b), std::back_inserter(rules));
     if (b.data.config.scheme == settings::Scheme::Gnss && b.command != "gravity")
-        rules.insert(rules.begin(), {{{"output.at_antenna"}, "the solution is that of the receiver"},
-                                     {{"gnss.lever_arm_m"},
-                                      unless(!b.data.recording.reference.empty(), "the scheme is \"gnss\": there is no filter")},
-                                     {{"output.files"},
-                                      unless(!b.data.config.output.wants("states") && !b.data.config.output.wants("covariance"),
-                                             "\"states\" and \"covariance\" are those of a filter, and the scheme is \"gnss\"")},
-                                     {{"filter.",
-                                       "output.lever_arm_m",
-                                       "output.events",
-                                       "vehicle.",
-                                       "mag.",
-                                       "baro.",
-                                       "odometer.",
-                                       "heading.",
-                                       "compass.",
-                                       "gauges.",
-                                       "log.",
-                                       "ranges.",
-                                       "gnss.use_velocity",
-                                       "gnss.latency_std_s",
-                                       "gnss.velocity_latency_std_s",
-                                       "gnss.correlated_",
-                                       "gnss.change_",
-                                       "gnss.consider_errors",
-                                       "gnss.std_",
-                                       "gnss.velocity_std_scale",
-                                       "gnss.jitter_s",
-                                       "gnss.found_lever_arm_std_m",
-                                       "gnss.height_latency_s",
-                                       "gnss.velocity_latency_s",
-                                       "gnss.velocity_down_latency_s",
-                                       "gravity.",
-                                       "earth.gravity",
-                                       "earth.rotation_rad_s",
-                                       "imu.stamp",
-                                       "imu.grade",
-                                       "gnss.estimate_",
-                                       "imu.gyro_",
-                                       "imu.accel_",
-                                       "imu.estimate_",
-                                       "imu.mounting_",
-                                       "imu.found_mounting_",
-                                       "initial."},
-                                      "the scheme is \"gnss\": there is no filter"}});
+        rules.insert(
+            rules.begin(),
+            {{{"output.at_antenna"}, "the solution is that of the receiver"},
+             {{"gnss.lever_arm_m"},
+              unless(compares_after_start(b), "the scheme is \"gnss\": there is no filter, and no reference to compare it with")},
+             {{"output.files"},
+              unless(!b.data.config.output.wants("states") && !b.data.config.output.wants("covariance"),
+                     "\"states\" and \"covariance\" are those of a filter, and the scheme is \"gnss\"")},
+             {{"filter.",
+               "output.lever_arm_m",
+               "output.events",
+               "vehicle.",
+               "mag.",
+               "baro.",
+               "odometer.",
+               "heading.",
+               "compass.",
+               "gauges.",
+               "log.",
+               "ranges.",
+               "gnss.use_velocity",
+               "gnss.latency_std_s",
+               "gnss.velocity_latency_std_s",
+               "gnss.correlated_",
+               "gnss.change_",
+               "gnss.consider_errors",
+               "gnss.std_",
+               "gnss.velocity_std_scale",
+               "gnss.jitter_s",
+               "gnss.found_lever_arm_std_m",
+               "gnss.height_latency_s",
+               "gnss.velocity_latency_s",
+               "gnss.velocity_down_latency_s",
+               "gravity.",
+               "earth.gravity",
+               "earth.rotation_rad_s",
+               "imu.stamp",
+               "imu.grade",
+               "gnss.estimate_",
+               "imu.gyro_",
+               "imu.accel_",
+               "imu.estimate_",
+               "imu.mounting_",
+               "imu.found_mounting_",
+               "initial."},
+              "the scheme is \"gnss\": there is no filter"}});
     else if (b.command != "gravity") std::ranges::move(inertial_rules(b), std::back_inserter(rules));
     std::vector<Ignored> ignored;
     for (const std::string& key : given) {
