@@ -172,9 +172,9 @@ std::vector<std::string> CompareCampaign::warnings() const {
         if (s.unsmoothed) without_smoother.push_back(s.scheme);
     std::vector<std::string> out = warning_of_unsmoothed(without_smoother);
     for (const SchemeCampaign& s : schemes) {
-        const std::string name = s.satellites ? fmt::format("{}, {} satellites", s.scheme->name, *s.satellites) : s.scheme->name;
+        const std::string label = s.satellites ? fmt::format("{}, {} satellites", s.scheme->name, *s.satellites) : s.scheme->name;
         for (const std::string& line : s.warnings.lines(seeds.size() - s.failures.size()))
-            out.push_back(fmt::format("{}: {}", name, line));
+            out.push_back(fmt::format("{}: {}", label, line));
     }
     return out;
 }
