@@ -52,6 +52,9 @@ private:
     bool one_ = true;
 };
 
+/// Writes a vector to a row of three numbers.
+inline void put_vector(const Eigen::Vector3d& v, double* to) { Eigen::Map<Eigen::Vector3d>{to} = v; }
+
 /// User instants: integers are nanoseconds, others seconds, on the data's own axis.
 class Times {
 public:

@@ -43,7 +43,7 @@ using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 Eigen::Map<const Vector3d> vector(const double* p) { return Eigen::Map<const Vector3d>(p); }
 Matrix3d matrix(const double* p) { return Eigen::Map<const RowMajor>(p); }
 Quaterniond quaternion(const double* p) { return {p[0], p[1], p[2], p[3]}; }
-void put(const Vector3d& v, double* to) { Eigen::Map<Vector3d>{to} = v; }
+void put(const Vector3d& v, double* to) { put_vector(v, to); }
 void put(const Matrix3d& m, double* to) { Eigen::Map<RowMajor>{to} = m; }
 void put(const Quaterniond& q, double* to) {
     to[0] = q.w();

@@ -31,8 +31,7 @@ Input needed(const char* name, const py::object& values, py::ssize_t width) {
 }
 
 Geodetic geodetic(const Input& in, py::ssize_t i) { return {in.at(i, 0), in.at(i, 1), in.at(i, 2)}; }
-void put(const Eigen::Vector3d& v, double* to) { Eigen::Map<Eigen::Vector3d>{to} = v; }
-void put(const Geodetic& g, double* to) { put(Eigen::Vector3d(g.lat, g.lon, g.h), to); }
+void put_position(const Geodetic& g, double* to) { put_vector({g.lat, g.lon, g.h}, to); }
 
 /// Two arrays row by row; one of them may be a single row that applies to all.
 py::ssize_t rows_of_both(Input& a, Input& b) {
@@ -45,15 +44,16 @@ py::ssize_t rows_of_both(Input& a, Input& b) {
 py::array ned_difference(const py::object& to, const py::object& from, const std::string& ellipsoid) {
     Input a = needed("to", to, 3), b = needed("from_", from, 3);
     const earth::Earth earth{earth::ellipsoid_from_name(ellipsoid), {}};
-    return each(a.one() ? b : a, rows_of_both(a, b), 3,
-                [&](py::ssize_t i, double* out) { put(earth::ned_difference(earth, geodetic(a, i), geodetic(b, i)), out); });
+    return each(a.one() ? b : a, rows_of_both(a, b), 3, [&](py::ssize_t i, double* out) {
+        put_vector(earth::ned_difference(earth, geodetic(a, i), geodetic(b, i)), out);
+    });
 }
 
 py::array moved_by_ned(const py::object& from, const py::object& ned, const std::string& ellipsoid) {
     Input a = needed("from_", from, 3), b = needed("ned", ned, 3);
     const earth::Earth earth{earth::ellipsoid_from_name(ellipsoid), {}};
     return each(a.one() ? b : a, rows_of_both(a, b), 3,
-                [&](py::ssize_t i, double* out) { put(earth::moved_by_ned(earth, geodetic(a, i), b.vector(i)), out); });
+                [&](py::ssize_t i, double* out) { put_position(earth::moved_by_ned(earth, geodetic(a, i), b.vector(i)), out); });
 }
 
 py::tuple calendar_of(const Calendar& c) { return py::make_tuple(c.year, c.month, c.day, c.hour, c.minute, c.second); }
@@ -67,7 +67,7 @@ void bind_earth(py::module_& m) {
             const Input in = needed("position", position, 3);
             const earth::Ellipsoid e = earth::ellipsoid_from_name(ellipsoid);
             return each(in, in.rows(), 3,
-                        [&](py::ssize_t i, double* out) { put(earth::ecef_from_geodetic(e, geodetic(in, i)).r, out); });
+                        [&](py::ssize_t i, double* out) { put_vector(earth::ecef_from_geodetic(e, geodetic(in, i)).r, out); });
         },
         py::arg("position"), py::arg("ellipsoid") = "wgs84",
         "Earth-fixed x, y, z (n, 3), m, of latitude, longitude (rad) and ellipsoidal height (m), (n, 3) or (3,).");
@@ -77,7 +77,7 @@ void bind_earth(py::module_& m) {
             const Input in = needed("r", r, 3);
             const earth::Ellipsoid e = earth::ellipsoid_from_name(ellipsoid);
             return each(in, in.rows(), 3,
-                        [&](py::ssize_t i, double* out) { put(earth::geodetic_from_ecef(e, {in.vector(i)}), out); });
+                        [&](py::ssize_t i, double* out) { put_position(earth::geodetic_from_ecef(e, {in.vector(i)}), out); });
         },
         py::arg("r"), py::arg("ellipsoid") = "wgs84",
         "Latitude, longitude (rad), height (m), (n, 3), of Earth-fixed x, y, z, m, (n, 3) or (3,).");
@@ -106,7 +106,7 @@ void bind_earth(py::module_& m) {
             return each(in, in.rows(), 3, [&](py::ssize_t i, double* out) {
                 const earth::GravityVector g =
                     earth::gravity_vector(kind, std::sin(in.at(i, 0)), std::cos(in.at(i, 0)), in.at(i, 2));
-                put(Eigen::Vector3d(g.north, 0.0, g.down), out);
+                put_vector(Eigen::Vector3d(g.north, 0.0, g.down), out);
             });
         },
         py::arg("position"), py::arg("model") = "somigliana",
@@ -120,7 +120,7 @@ void bind_earth(py::module_& m) {
             const Input in = needed("position", position, 3);
             const earth::Datum a = earth::datum_from_name(from), b = earth::datum_from_name(to);
             return each(in, in.rows(), 3,
-                        [&](py::ssize_t i, double* out) { put(earth::datum_changed(a, b, geodetic(in, i)), out); });
+                        [&](py::ssize_t i, double* out) { put_position(earth::datum_changed(a, b, geodetic(in, i)), out); });
         },
         py::arg("position"), py::arg("from_"), py::arg("to"),
         "Latitude, longitude, height (rad, m) in another datum: wgs84, pz90, pz90.11, sk42, ed50.");

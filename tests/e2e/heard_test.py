@@ -53,6 +53,8 @@ KEYS = {
     "ranges.use_rates": "false", "ranges.receiver_acceleration_m_s_sqrt_s": "9", "ranges.clock_h0_s": "1e-15", "odometer.std_m_s": "3",
     "gnss.latency_s": "0.2", "gnss.height_latency_s": "0.2", "gnss.jitter_s": "0.02", "gnss.std_scale": "3", "gnss.std_floor_m": "[9, 9, 9]",
     "gnss.change_white_m": "[3, 3, 3]", "gnss.use_velocity": "false", "filter.detect_wheels": "true", "ranges.intersystem_m": "9", "ranges.network_m": "9",
+    "gnss.correlated_time_s": "510", "gnss.correlated_velocity_time_s": "51", "gnss.troposphere": '"none"', "baro.sea_level_pressure_pa": "100000",
+    "imu.gyro_quantum_arcsec": "0.3", "stations.time_offset_s": "0.3", "earth.rotation_rad_s": "8e-5", "imu.stamp": '"start"',
     "compass.white_deg": "3", "imu.found_mounting_std_deg": "1", "gravity.model": '"ramp"',
     "heading.std_deg": "7", "output.lever_arm_m": "[5, 0, 0]", "vehicle.kind": '"air"',
 }
@@ -121,6 +123,9 @@ def scenarios(program, source):
             program(command, source_of, "-o", out, "-q", "--set", f"filter.preset={preset}", "--outputs", "solution,summary")
             found[command, preset] = (folder / out / "solution.csv").read_text()
         check(found[command, "ins15"] != found[command, "ins21"], f"{command}: presets that are the same")
+        for preset, lacks in (("ins15", True), ("ins21", False)):
+            told = json.loads((folder / f"{command}-{preset}/summary.json").read_text())["warnings"]
+            check(any(f'"{preset}" switches off filter.scale_factors' in text for text in told) == lacks, f"{command}, {preset}: {told}")
     # states.csv is written where there is a filter with such states, and asked for in vain elsewhere
     program("run", "plain.toml", "-o", "states", "-q", "--outputs", "summary,states")
     names = (folder / "states/states.csv").read_text().splitlines()[0].split(",")

@@ -67,8 +67,9 @@ def connected(number, seconds=10.0):
 
 def messages(path, kind):
     found = []
-    for line in path.read_text().splitlines():
-        message = json.loads(line)   # every line is whole
+    text = path.read_text()
+    for line in text[:text.rfind("\n") + 1].splitlines():   # a file that is written meanwhile may end within a line
+        message = json.loads(line)
         if message["type"] == kind:
             found.append(message)
     return found

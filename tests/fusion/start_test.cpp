@@ -59,6 +59,23 @@ sim::Scenario steady(double north, double east) {
     return s;
 }
 
+// A given velocity that rest contradicts is not used, and that is told; one within its sigma is not worth a word.
+TEST(Start, RestContradictsAGivenVelocity) {
+    sim::Scenario s = town_drive(1, 5.0, 40.0);
+    shake(s);
+    const Recording recording = sim::simulate(s).recording;
+    for (const double north : {3.0, 0.1}) {
+        Settings f = settings_of(s);
+        give_start(f, recording, 1);
+        f.initial.velocity_n = {north, 0.0, 0.0};
+        Findings findings;
+        WarningLog warnings;
+        const Start start = find_start(data_of(recording, f), f, findings, warnings);
+        ASSERT_TRUE(start.nav.v_eb_n.isZero(0.0));
+        EXPECT_EQ(warnings.count("initial.velocity"), north > 1.0 ? 1u : 0u);
+    }
+}
+
 // A fast receiver's fixes are metres from where their stamps say, in turns by other metres than straight on.
 TEST(Start, HeadingIsFoundBesideLatenciesThatNobodyKnows) {
     for (const std::uint64_t seed : {1u, 2u, 3u}) {

@@ -25,14 +25,14 @@ struct Stated {
     std::string_view key, used;  ///< of the warning; what is used instead
 };
 
-bool is_absurd(double sigma, double least) { return std::isfinite(sigma) && sigma < least; }
+bool is_below(double sigma, double least) { return std::isfinite(sigma) && sigma < least; }
 
 /// Removes sigmas that no such instrument has.
 template <class Samples>
 void remove_absurd(Samples& samples, double Samples::value_type::*sigma, const Stated& what, WarningLog& warnings) {
     std::size_t absurd = 0;
     for (auto& s : samples) {
-        if (!is_absurd(s.*sigma, what.least)) continue;
+        if (!is_below(s.*sigma, what.least)) continue;
         s.*sigma = not_given;
         ++absurd;
     }
@@ -54,7 +54,7 @@ void raise_rare(std::vector<Sample>& samples, const Stated& what, WarningLog& wa
     const double least = below * math::quantile(std::move(sigmas), share);
     std::size_t raised = 0;
     for (Sample& s : samples) {
-        if (!is_absurd(s.std, least)) continue;
+        if (!is_below(s.std, least)) continue;
         s.std = least;
         ++raised;
     }

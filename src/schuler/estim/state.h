@@ -31,6 +31,12 @@ void add(Part&& part, const Change& change) {
     part = (as_double(part) + change).template cast<CovarianceScalar>();
 }
 
+/// part -= change.
+template <class Part, class Change>
+void subtract(Part&& part, const Change& change) {
+    part = (as_double(part) - change).template cast<CovarianceScalar>();
+}
+
 /// Size of vectors and matrices for a number of states; padding states have zero covariance.
 [[nodiscard]] constexpr int padded(int states) { return (states + 3) / 4 * 4; }
 

@@ -59,9 +59,8 @@ double corner(const double* T, const Transition& phi, int r, int c) {
 
 /// Transformation of a symmetric matrix by a shear: M <- S M S^T.
 void shear(StateMatrix& M, const Transition::Shear& s, int used) {
-    const auto factor = static_cast<CovarianceScalar>(s.factor);
-    M.row(s.to).head(used) += factor * M.row(s.from).head(used);
-    M.col(s.to).head(used) += factor * M.col(s.from).head(used);
+    add(M.row(s.to).head(used), s.factor * as_double(M.row(s.from).head(used)));
+    add(M.col(s.to).head(used), s.factor * as_double(M.col(s.from).head(used)));
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ namespace schuler::estim {
 /// Phi for one time interval.
 struct Transition {
     static constexpr int coupled = 9;
-    static constexpr int max_driven = 48;  ///< columns of A
+    static constexpr int max_driven = 52;  ///< columns of A
 
     /// x_to += factor x_from; neither is a coupled state.
     struct Shear {

@@ -87,12 +87,6 @@ void subtract_products(Scalar* y, long y_stride, const double* x, const double* 
     if (r < size) subtract_product<1>(y, y_stride, x, f, stride, count, r, finish);
 }
 
-/// column -= change.
-template <class Column, class Change>
-void subtract(Column&& column, const Change& change) {
-    column = (as_double(column) - change).template cast<CovarianceScalar>();
-}
-
 /// Four scalars of an epoch: the inverse of the diagonal of L, the elements below it, and their whitened innovations.
 struct FourPivots {
     double inverse[4] = {}, l[4][4] = {}, y[4] = {};

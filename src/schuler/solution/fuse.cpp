@@ -53,7 +53,7 @@ void aid_loops(ResultBundle& bundle, const fusion::Settings& settings) {
 }
 
 /// States that the simulated sensors have errors for and the named preset has not.
-void tell_what_preset_lacks(const settings::Config& c, const std::set<std::string>& given, WarningLog& warnings) {
+void warn_of_states_left_out(const settings::Config& c, const std::set<std::string>& given, WarningLog& warnings) {
     if (!given.contains("filter.preset") || settings::coupling_of_preset(c.preset)) return;
     const sensor::ImuErrorModel& imu = c.filter.imu.errors;
     std::vector<std::string_view> lacking;
@@ -90,10 +90,7 @@ ResultBundle simulated_bundle(const settings::ScenarioConfig& scenario, const se
     std::set<std::string> given;
     for (const settings::SettingList* list : {&std::as_const(simulated.settings), &over})
         for (const settings::Setting& s : *list) given.insert(s.key);
-    std::set<std::string> by_user;
-    for (const settings::SettingList* list : {&described.assumed, &over})
-        for (const settings::Setting& s : *list) by_user.insert(s.key);
-    tell_what_preset_lacks(config, by_user, warnings);
+    warn_of_states_left_out(config, settings::keys_of_processing(described, over), warnings);
     ResultBundle bundle;
     bundle.name = config.name;
     bundle.seed = simulated.seed;

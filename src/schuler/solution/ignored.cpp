@@ -102,11 +102,15 @@ SourceKinds kinds_of_sources(const ResultBundle& b) {
 
 constexpr const char* start_alone = "; it is used for the initial alignment only";
 
+bool takes_ranges(const settings::Config& c) {
+    using enum settings::Scheme;
+    return c.scheme == Tight || c.scheme == Intermediate || c.scheme == Deep;
+}
+
 std::vector<Rule> inertial_rules(const ResultBundle& b) {
     const settings::Config& c = b.data.config;
     const fusion::Settings& f = c.filter;
-    const bool tight =
-        c.scheme == settings::Scheme::Tight || c.scheme == settings::Scheme::Intermediate || c.scheme == settings::Scheme::Deep;
+    const bool tight = takes_ranges(c);
     const bool separate = c.scheme == settings::Scheme::Separate;
     // The start is found by runs of the loosely coupled filter.
     const auto but_for_start = [&](bool effect, const char* reason) {
@@ -141,7 +145,7 @@ std::vector<Rule> inertial_rules(const ResultBundle& b) {
         {{"imu.mounting_std_deg"}, unless(!separate, "the separate scheme uses no motion of the vehicle")},
         {{"gnss.latency_", "gnss.velocity_latency_", "gnss.height_latency_s", "gnss.velocity_down_latency_s", "gnss.jitter_s",
           "gnss.correlated_", "gnss.change_", "gnss.std_", "gnss.velocity_std_scale"},
-         but_for_start(!tight, "the coupling takes ranges instead of fixes")},
+         unless(!tight, "the coupling takes ranges; fixes serve the start, and as reference where ranges are withheld")},
         {{"filter.detect_wheels"},
          unless(f.vehicle != fusion::VehicleKind::Car || !f.aids.nonholonomic, "a car has the vehicle constraint without it")},
         {{"ranges.network_m"},
@@ -206,8 +210,7 @@ std::vector<Rule> sensor_rules(const ResultBundle& b) {
     const fusion::Settings& f = c.filter;
     const Recording& r = b.data.recording;
     const bool baro = f.baro.use && !r.baro.empty(), mag = f.mag.use && !r.mag.empty();
-    const bool raw = c.gnss.file.empty() || c.scheme == settings::Scheme::Tight || c.scheme == settings::Scheme::Intermediate ||
-                     c.scheme == settings::Scheme::Deep;
+    const bool raw = c.gnss.file.empty() || takes_ranges(c);
     const bool velocities = std::ranges::any_of(r.gnss, [](const GnssFix& x) { return x.velocity_n.allFinite(); });
     const fusion::InitialSettings& i = f.initial;
     const bool position = std::isfinite(i.position.lat) && std::isfinite(i.position.lon) && std::isfinite(i.position.h);
@@ -284,7 +287,7 @@ std::vector<Rule> sensor_rules(const ResultBundle& b) {
         {{"initial.lat_deg", "initial.lon_deg", "initial.height_m"},
          unless(position, "only latitude, longitude and height together are a position to start from")},
         {{"reference."}, unless(!r.reference.empty(), "there is no reference")},
-        {{"stations."}, unless(raw || !c.ranges.file.empty(), "no ranges are used")},
+        {{"stations."}, unless(raw, "no ranges are used")},
         {{"stations.coordinates", "stations.columns", "stations.scale"},
          unless(!c.ranges.file.empty(), "there is no stations.file")}};
 }

@@ -315,7 +315,6 @@ bool InertialFilter<Frame>::propagate_covariance(const InertialModel& model, est
     withheld = force.withheld;
     antenna_moved.setZero();
     arm_turned.setZero();
-    late_fix = {};
     estim::add(P.diagonal().head(used), cached_q.head(used));
     if (L.clock >= 0) {
         const double cross = 0.5 * model.drift_psd * T * T;
@@ -331,11 +330,12 @@ bool InertialFilter<Frame>::propagate_covariance(const InertialModel& model, est
     // the nominal values of the disturbance were propagated with the nominal state
     parameters.tail(n - 9).array() *= cached_diagonal.tail(n - 9).array();
     if (model.loop != Loop::Closed) {
-        const Vector3d before = error.segment<3>(Layout::velocity);
-        error = phi.times(error);
+        const StateVector before = error;
+        error = phi.times(error) - late_fix.shift(L, error);  // which changes what is known of the error, not the estimate
         // the acceleration of the estimate, not that of the nominal state
-        withheld.change -= horizontal_part(error.segment<3>(Layout::velocity) - before, force.down);
+        withheld.change -= horizontal_part((error - before).segment<3>(Layout::velocity), force.down);
     }
+    late_fix = {};
     mean_force = gathered.force / T;
     gathered.reset();
     return true;

@@ -21,13 +21,20 @@ struct LateFix {
         velocity -= dx.segment<3>(Layout::velocity);
         latency -= dx(layout.gnss_latency);
     }
-    /// To first order, the error of p changes by the corrections of v and latency times the error of the other.
+    /// To first order, the error of p changes by the corrections of v and latency times the error of the other: rows of position of the
+    /// transition (Layout::driven() includes the latency), and the same for an error x.
     void fill(const Layout& layout, estim::Transition& phi) const {
         if (layout.gnss_latency < 0) return;
         for (int i = 0; i < 3; ++i) {
             phi.rows(layout.gnss_latency, Layout::position + i) += velocity(i);
             phi.rows(Layout::velocity + i, Layout::position + i) += latency;
         }
+    }
+    [[nodiscard]] estim::StateVector shift(const Layout& layout, const estim::StateVector& x) const {
+        estim::StateVector out = estim::StateVector::Zero(x.size());
+        if (layout.gnss_latency >= 0)
+            out.segment<3>(Layout::position) = velocity * x(layout.gnss_latency) + latency * x.segment<3>(Layout::velocity);
+        return out;
     }
 };
 

@@ -45,6 +45,7 @@ Layout layout_with(const Settings& settings, const Sensors& sensors) {
         L.accel_misalignment = L.add("accel_misalignment", "rad", 6);
     }
     if (settings.estimate_lever_arm) L.lever_arm = L.add("lever_arm", "m", 3);
+    if (!uses_ranges(settings.coupling) && settings.gnss.latency_std > 0.0) L.gnss_latency = L.add("gnss_latency_error", "s", 1);
     if (settings.disturbance.estimate) add_disturbance(settings.disturbance.model, L);
     if (settings.disturbance.keep_before) L.gravity_before = L.add("gravity_before", "m/s^2", 3);
     if (settings.aids.nonholonomic || settings.aids.nonholonomic_auto) {
@@ -94,7 +95,6 @@ Layout layout_with(const Settings& settings, const Sensors& sensors) {
         if (slow_rates) L.source_rate = L.add("range_rate_slow_error", "m/s", Layout::slots);
         L.source = L.add("range_slow_error", "m", Layout::slots);
     } else {
-        if (settings.gnss.latency_std > 0.0) L.gnss_latency = L.add("gnss_latency_error", "s", 1);
         if (settings.gnss.use_velocity && settings.gnss.velocity_latency_std > 0.0)
             L.gnss_velocity_latency = L.add("gnss_velocity_latency_error", "s", 1);
         if (settings.gnss.errors.correlated_position.maxCoeff() > 0.0) L.gnss_position = L.add("gnss_position_error", "m", 3);
@@ -260,8 +260,8 @@ public:
         Eigen::Matrix3d both = of_arm.leftCols(9) * attitude.transpose() * math::skew(l_n).transpose();
         if (L_.lever_arm >= 0) both += of_arm.middleCols(L_.lever_arm, 3) * C_nb.transpose();
         const Eigen::Matrix<double, 9, Eigen::Dynamic, 0, 9, estim::max_states> change = by_position * of_arm;
-        estim::add(f_.P.topRows(9), -change.leftCols(n));
-        estim::add(f_.P.leftCols(9), -change.transpose());
+        estim::subtract(f_.P.topRows(9), change.leftCols(n));
+        estim::subtract(f_.P.leftCols(9), change.transpose());
         estim::add(f_.P.template topLeftCorner<9, 9>(), by_position * both * by_position.transpose());
     }
 

@@ -1,6 +1,7 @@
 #include "schuler/filter/detail/navigator_engine.h"
 
 #include "schuler/filter/detail/archive.h"
+#include "schuler/filter/measurement/instruments.h"
 #include "schuler/filter/outputs.h"
 #include "schuler/filter/update/pass.h"
 #include "schuler/math/rotation.h"
@@ -9,6 +10,22 @@
 #include <functional>
 
 namespace schuler::filter::detail {
+namespace {
+
+/// What an alignment takes from the sample of an instrument.
+struct UseAtStart {
+    StartUp& start_up;
+    const Eigen::Matrix3d& C_bs;
+    double declination;
+    double& baro_height;
+
+    void operator()(const BaroSample& s) const { baro_height = s.height; }
+    void operator()(const MagSample& s) const { start_up.add_mag(C_bs * s.field_b, declination); }
+    void operator()(const HeadingSample& s) const { start_up.add_heading(s); }
+    void operator()(const auto&) const {}
+};
+
+}  // namespace
 
 NavigatorEngine::NavigatorEngine(const NavigatorSettings& s)
     : settings(s), stream(settings), start_up(settings), given_(s.start.has_value()) {}
@@ -147,20 +164,16 @@ bool NavigatorEngine::align_by_samples() {
     for (; still < data.still.windows.size(); ++still) start_up.add_still(data.still.windows[still]);
     const Recording& recording = *data.recording;
     const Eigen::Matrix3d C_bs = math::dcm_from_rpy(settings.filter.imu.mounting_rpy) * settings.filter.imu.C_bs;
+    const UseAtStart use{start_up, C_bs, data.declination, baro_height_};
     for (; event < data.events.size() && data.events[event].valid <= now; ++event) {
         const Event& e = data.events[event];
-        switch (e.kind) {
-            case AidKind::GnssPosition:
-                start_up.add_position(recording.gnss[e.index], data.fix_noise[e.index], e.valid, e.components);
-                break;
-            case AidKind::GnssVelocity:
-                start_up.add_velocity(recording.gnss[e.index], data.fix_noise[e.index], e.components);
-                break;
-            case AidKind::Baro: baro_height_ = recording.baro[e.index].height; break;
-            case AidKind::Mag: start_up.add_mag(C_bs * recording.mag[e.index].field_b, data.declination); break;
-            case AidKind::Heading: start_up.add_heading(recording.heading[e.index]); break;
-            default: break;
-        }
+        if (e.kind == AidKind::GnssPosition)
+            start_up.add_position(recording.gnss[e.index], data.fix_noise[e.index], e.valid, e.components);
+        else if (e.kind == AidKind::GnssVelocity)
+            start_up.add_velocity(recording.gnss[e.index], data.fix_noise[e.index], e.components);
+        for_each_instrument([&](const auto& instrument) {
+            if (instrument.kind == e.kind) use((recording.*instrument.log)[e.index]);
+        });
     }
     while (epoch < recording.ranges.epochs.size() && recording.ranges.epochs[epoch].time <= now) ++epoch;
     (void)stream.forget({increment, event, epoch, still, bridge}, true);

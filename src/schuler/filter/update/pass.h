@@ -228,6 +228,11 @@ private:
     void change_sides(FilterRun<Frame>& run) const;
     void open(FilterRun<Frame>& run, const Opening& opening) const;
     [[nodiscard]] Measurement measurement_of(const InertialFilter<Frame>& filter, const Event& event) const;
+    /// Noise of a fix, m^2 and m^2/s^2; latency: the state of the velocity's, or -1.
+    [[nodiscard]] Eigen::Vector3d position_variance(const InertialFilter<Frame>& filter, const Estimate& e,
+                                                    const Event& event) const;
+    [[nodiscard]] Eigen::Vector3d velocity_variance(const InertialFilter<Frame>& filter, const Estimate& e, const Event& event,
+                                                    int latency) const;
     [[nodiscard]] Eigen::Matrix<double, 9, 1> of_latency(const InertialFilter<Frame>& filter, const Estimate& e, int state) const;
     /// Corrects the estimate by an accepted measurement according to the coupling. False: it is not used.
     bool use(FilterRun<Frame>& run, Channel channel, const Measurement& local, const Measurement& m, Time stamp,

@@ -41,40 +41,49 @@ Eigen::Matrix<double, 9, 1> Pass<Frame>::of_latency(const InertialFilter<Frame>&
 }
 
 template <class Frame>
+Eigen::Vector3d Pass<Frame>::position_variance(const InertialFilter<Frame>& filter, const Estimate& e, const Event& event) const {
+    const FixNoise& noise = data_.fix_noise[event.index];
+    // errors without states are part of the noise
+    const double lasting = event.outage < 0 ? data_.recording->gnss[event.index].lasting : 1.0;  // compared: by itself
+    Eigen::Vector3d variance = lasting * (model_.layout.gnss_position < 0 ? noise.position : noise.white_position).cwiseAbs2();
+    if (event.constellation_change) variance += settings_.gnss.errors.change_white_position.cwiseAbs2();
+    // An estimated latency also varies from fix to fix, by some milliseconds.
+    const double jitter = settings_.gnss.jitter.value_or(std::min(0.4 * settings_.gnss.latency_std, 0.01));  // s
+    variance += jitter * jitter * e.nav.v_eb_n.cwiseAbs2();
+    if (model_.layout.gnss_latency >= 0)
+        variance += of_latency(filter, e, model_.layout.gnss_latency).template segment<3>(Layout::position);
+    return variance;
+}
+
+template <class Frame>
+Eigen::Vector3d Pass<Frame>::velocity_variance(const InertialFilter<Frame>& filter, const Estimate& e, const Event& event,
+                                               int latency) const {
+    const FixNoise& noise = data_.fix_noise[event.index];
+    Eigen::Vector3d variance = (model_.layout.gnss_velocity < 0 ? noise.velocity : noise.white_velocity).cwiseAbs2();
+    if (event.constellation_change) variance += settings_.gnss.errors.change_white_velocity.cwiseAbs2();
+    // An estimated latency varies from fix to fix; without a state its error is that of the fits.
+    const GnssSettings& g = settings_.gnss;
+    const bool own = model_.layout.gnss_velocity_latency >= 0;
+    const double off =
+        g.jitter.value_or(own ? std::min(0.4 * g.velocity_latency_std, 0.01) : std::min(g.latency_std, 0.015));  // s
+    variance += off * off * e.a_n.cwiseAbs2();
+    if (latency >= 0) variance += of_latency(filter, e, latency).template segment<3>(Layout::velocity);
+    return variance;
+}
+
+template <class Frame>
 Measurement Pass<Frame>::measurement_of(const InertialFilter<Frame>& filter, const Event& event) const {
     const Estimate e = filter.estimate(model_);
+    const GnssSettings& g = settings_.gnss;
+    const Layout& L = model_.layout;
     const Components use{(event.components & 1) != 0, (event.components & 2) != 0, (event.components & 4) != 0};
-    const sensor::GnssErrorModel& slow = settings_.gnss.errors;
-    switch (event.kind) {
-        case AidKind::GnssPosition: {
-            const FixNoise& noise = data_.fix_noise[event.index];
-            // errors without states are part of the noise
-            const double lasting = event.outage < 0 ? data_.recording->gnss[event.index].lasting : 1.0;  // compared: by itself
-            Eigen::Vector3d variance =
-                lasting * (model_.layout.gnss_position < 0 ? noise.position : noise.white_position).cwiseAbs2();
-            if (event.constellation_change) variance += slow.change_white_position.cwiseAbs2();
-            // An estimated latency also varies from fix to fix, by some milliseconds.
-            const double jitter = settings_.gnss.jitter.value_or(std::min(0.4 * settings_.gnss.latency_std, 0.01));  // s
-            variance += jitter * jitter * e.nav.v_eb_n.cwiseAbs2();
-            if (model_.layout.gnss_latency >= 0)
-                variance += of_latency(filter, e, model_.layout.gnss_latency).template segment<3>(Layout::position);
-            return gnss_position(e, data_.recording->gnss[event.index].position, variance, settings_.gnss.lever_arm_b, use);
-        }
-        case AidKind::GnssVelocity: {
-            const FixNoise& noise = data_.fix_noise[event.index];
-            Eigen::Vector3d variance = (model_.layout.gnss_velocity < 0 ? noise.velocity : noise.white_velocity).cwiseAbs2();
-            if (event.constellation_change) variance += slow.change_white_velocity.cwiseAbs2();
-            // An estimated latency varies from fix to fix; without a state its error is that of the fits.
-            const GnssSettings& g = settings_.gnss;
-            const bool own = model_.layout.gnss_velocity_latency >= 0;
-            const double off =
-                g.jitter.value_or(own ? std::min(0.4 * g.velocity_latency_std, 0.01) : std::min(g.latency_std, 0.015));  // s
-            variance += off * off * e.a_n.cwiseAbs2();
-            const int latency = own ? model_.layout.gnss_velocity_latency : g.velocity_latency ? -1 : model_.layout.gnss_latency;
-            if (latency >= 0) variance += of_latency(filter, e, latency).template segment<3>(Layout::velocity);
-            return gnss_velocity(e, data_.recording->gnss[event.index].velocity_n, variance, g.lever_arm_b, latency, use);
-        }
-        default: break;
+    if (event.kind == AidKind::GnssPosition)
+        return gnss_position(e, data_.recording->gnss[event.index].position, position_variance(filter, e, event), g.lever_arm_b,
+                             use);
+    if (event.kind == AidKind::GnssVelocity) {
+        const int latency = L.gnss_velocity_latency >= 0 ? L.gnss_velocity_latency : g.velocity_latency ? -1 : L.gnss_latency;
+        return gnss_velocity(e, data_.recording->gnss[event.index].velocity_n, velocity_variance(filter, e, event, latency),
+                             g.lever_arm_b, latency, use);
     }
     Measurement m;
     for_each_instrument([&](const auto& instrument) {
@@ -174,11 +183,14 @@ void Pass<Frame>::change_constellation(FilterRun<Frame>& run, const Event& event
         if ((event.components >> axis & 1) != 0) run.filter.P(offset + axis, offset + axis) += jump(axis) * jump(axis);
 }
 
-#define SCHULER_INSTANTIATE(Frame)                                                                                           \
-    template Eigen::Matrix<double, 9, 1> Pass<Frame>::of_latency(const InertialFilter<Frame>&, const Estimate&, int) const;  \
-    template Measurement Pass<Frame>::measurement_of(const InertialFilter<Frame>&, const Event&) const;                      \
-    template AidRecord Pass<Frame>::try_update(FilterRun<Frame>&, Channel, const Measurement&, Time, bool, Observer&) const; \
-    template void Pass<Frame>::recover(FilterRun<Frame>&, Channel, const Measurement&) const;                                \
+#define SCHULER_INSTANTIATE(Frame)                                                                                              \
+    template Eigen::Matrix<double, 9, 1> Pass<Frame>::of_latency(const InertialFilter<Frame>&, const Estimate&, int) const;     \
+    template Eigen::Vector3d Pass<Frame>::position_variance(const InertialFilter<Frame>&, const Estimate&, const Event&) const; \
+    template Eigen::Vector3d Pass<Frame>::velocity_variance(const InertialFilter<Frame>&, const Estimate&, const Event&, int)   \
+        const;                                                                                                                  \
+    template Measurement Pass<Frame>::measurement_of(const InertialFilter<Frame>&, const Event&) const;                         \
+    template AidRecord Pass<Frame>::try_update(FilterRun<Frame>&, Channel, const Measurement&, Time, bool, Observer&) const;    \
+    template void Pass<Frame>::recover(FilterRun<Frame>&, Channel, const Measurement&) const;                                   \
     template void Pass<Frame>::change_constellation(FilterRun<Frame>&, const Event&) const;
 SCHULER_INSTANTIATE(GeographicFrame)
 SCHULER_INSTANTIATE(EarthFixedFrame)
