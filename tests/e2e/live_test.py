@@ -173,6 +173,8 @@ def live_trouble(program, source):
     feed([l for l in lines if stamp(l) < 80.0], cut=b'{"type":"imu","time_ns":8000')   # the cable is pulled within a line
     feed(["\x00\xff garbage\n", "{\"type\":\n", "a" * 100000, "\n"] + [l for l in lines if 80.0 <= stamp(l) < 90.0])
     until(lambda: messages(now, "state") and messages(now, "state")[-1]["time_s"] > 88.5)
+    # a message of health tells of what was before it
+    until(lambda: any(m["garbage"] >= 3 and m["reconnections"] == 1 and m["dropped"] > 100 for m in messages(now, "health")), 20.0)
     health = messages(now, "health")[-1]
     check(health["phase"] == "navigating" and health["garbage"] >= 3 and health["reconnections"] == 1, f"{health}")
     check(health["restarts"] == 0, "a second connection is no restart")
