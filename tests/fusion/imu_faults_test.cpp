@@ -1,5 +1,6 @@
 // What is seen in an inertial unit's own record.
 #include "schuler/fusion/faults/imu_faults.h"
+#include "schuler/math/rotation.h"
 
 #include <gtest/gtest.h>
 
@@ -56,6 +57,33 @@ TEST(ImuFaults, AnAxisThatGravityExceedsIsSaturatedAndOneThatIsDeadIsNot) {
     EXPECT_GT(doubts.stretches[3].noise.accel_psd, 1.0);
     for (ImuIncrement& i : timeline.increments) i.dv.z() = 0.02 * -9.81;
     EXPECT_EQ(doubtful_stretches(timeline).saturated, 0.0);
+}
+
+/// Rare shocks take the vertical below the range that gravity exceeds in all the rest of the log.
+TEST(ImuFaults, AnAxisThatGravityExceedsIsSaturatedThoughNotWithoutExceptions) {
+    for (const double gravity : {8.0, 9.81}) {
+        filter::ImuTimeline timeline = swinging(1.0);
+        for (std::size_t i = 0; i < timeline.increments.size(); ++i) {
+            const double below = i % 400 != 7 ? 0.0 : i % 1200 == 7 ? 3.0 : 0.01;
+            timeline.increments[i].dv.z() = 0.02 * (below - gravity);
+        }
+        EXPECT_NEAR(doubtful_stretches(timeline).saturated, gravity < 9.0 ? 1.0 : 0.0, 0.01) << gravity;
+    }
+}
+
+/// A unit mounted askew: the ends of its axes' ranges are not along the axes of the body.
+TEST(ImuFaults, TheRangeIsThatOfTheSensorsAxes) {
+    filter::ImuTimeline timeline = swinging(0.2);
+    const Doubts straight = doubtful_stretches(timeline);
+    const Eigen::Matrix3d C_bs = math::dcm_from_rpy({0.02, -0.12, 0.1});
+    for (ImuIncrement& i : timeline.increments) {
+        i.dtheta = C_bs * i.dtheta;
+        i.dv = C_bs * i.dv;
+    }
+    const Doubts askew = doubtful_stretches(timeline, C_bs);
+    EXPECT_NEAR(askew.saturated, straight.saturated, 1e-6);
+    ASSERT_EQ(askew.stretches.size(), straight.stretches.size());
+    EXPECT_NEAR(askew.stretches[3].noise.gyro_psd, straight.stretches[3].noise.gyro_psd, 1e-6);
 }
 
 /// One sample of five is wild in a sixth of the log, more than any quantile of the blocks leaves out.

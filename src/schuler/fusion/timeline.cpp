@@ -6,6 +6,7 @@
 #include "schuler/filter/stream/imu_intervals.h"
 #include "schuler/fusion/faults/imu_faults.h"
 #include "schuler/math/quantile.h"
+#include "schuler/math/rotation.h"
 
 #include <fmt/format.h>
 
@@ -124,7 +125,8 @@ ImuTimeline make_imu_timeline(const std::vector<ImuSample>& samples, const ImuSe
     } else {
         timeline.increments = std::move(intervals);  // avoids a second copy in the usual case
     }
-    const Doubts doubts = settings.noiseless ? Doubts{} : doubtful_stretches(timeline);
+    const Eigen::Matrix3d C_bs = math::dcm_from_rpy(settings.mounting_rpy) * settings.C_bs;
+    const Doubts doubts = settings.noiseless ? Doubts{} : doubtful_stretches(timeline, C_bs);
     const std::vector<Bridge>& doubtful = doubts.stretches;
     timeline.doubtful = doubtful.size();
     timeline.bridges.insert(timeline.bridges.end(), doubtful.begin(), doubtful.end());

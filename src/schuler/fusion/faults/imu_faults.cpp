@@ -61,8 +61,9 @@ namespace {
 struct Quantity {
     Vector3d ImuIncrement::*integral;
     double filter::BridgeNoise::*psd;
-    double least;  ///< rad, m/s: smaller errors of the integral are ignored
-    [[nodiscard]] Vector3d of(const ImuIncrement& i) const { return i.*integral / i.dt; }
+    double least;                                     ///< rad, m/s: smaller errors of the integral are ignored
+    Eigen::Matrix3d C = Eigen::Matrix3d::Identity();  ///< body axes to those in which the values are examined
+    [[nodiscard]] Vector3d of(const ImuIncrement& i) const { return C * (i.*integral / i.dt); }
 };
 
 struct Block {
@@ -181,7 +182,8 @@ struct CountedEnd {
     std::size_t there = 0, below = 0;
 };
 
-/// Of an axis without noise: the constant value of an accelerometer axis is its limit if the three together do not show gravity.
+/// Of an axis without noise, or with one value in most of the log: the constant value of an accelerometer axis is its limit if the
+/// three together do not show gravity.
 void judge_constant(End& end, const std::vector<ImuIncrement>& increments, const Quantity& q) {
     constexpr double gravity = 9.81, without_doubt = 0.3, beyond = 0.3;  // m/s^2, m/s^2, fraction of the range
     double size = 0.0;
@@ -234,6 +236,9 @@ std::vector<End> reached_ends(const std::vector<ImuIncrement>& increments, const
         // An axis that is mostly at its limit hardly departs from its mean.
         if (static_cast<double>(c.there) > mostly * static_cast<double>(increments.size()))
             end.size = std::max(end.size, beyond * std::abs(end.mean + end.sign * end.limit));
+        // Nearly always at its limit, its mean is the limit, and the departure from it no measure of how near the next value is.
+        const bool almost_constant = 2 * c.there > increments.size() && end.sign * end.mean > 0.0;
+        if (!end.reached && almost_constant && q.integral == &ImuIncrement::dv) judge_constant(end, increments, q);
     }
     std::erase_if(ends, [](const End& end) { return !end.reached; });
     return ends;
@@ -281,7 +286,7 @@ void add_saturation(const std::vector<ImuIncrement>& increments, const Quantity&
 
 }  // namespace
 
-Doubts doubtful_stretches(const ImuTimeline& timeline) {
+Doubts doubtful_stretches(const ImuTimeline& timeline, const Eigen::Matrix3d& C_bs) {
     const auto& increments = timeline.increments;
     const auto length = static_cast<std::size_t>(std::max(4.0, std::round(0.5 / timeline.median_dt)));
     std::vector<Block> blocks;
@@ -320,7 +325,10 @@ Doubts doubtful_stretches(const ImuTimeline& timeline) {
             const double variance = departure(increments, blocks, k, q, rough[k]);
             if (variance > q.least * q.least) noise[k].*q.psd += variance / duration(increments, blocks[k]);
         }
-        add_saturation(increments, q, blocks, noise, saturated);
+        // The range is that of a sensor: about axes turned by a mounting its end is not one value.
+        Quantity of_sensor = q;
+        of_sensor.C = C_bs.transpose();
+        add_saturation(increments, of_sensor, blocks, noise, saturated);
     }
     Doubts out;
     for (std::size_t k = 0; k < blocks.size(); ++k)

@@ -4,6 +4,8 @@
 #include "schuler/core/samples.h"
 #include "schuler/filter/update/timeline.h"
 
+#include <Eigen/Core>
+
 #include <cstddef>
 #include <vector>
 
@@ -23,6 +25,8 @@ struct Doubts {
 /// Half-second blocks count as disturbed if neighbouring increments differ far more than in the bulk of the log (a shock, an
 /// electric spike, a burst): the departure from the block's median is taken as an error, departures of one sign as one. An axis
 /// that stays at its largest value in the log is saturated, and its error may be as large again over that time. Gaps are excluded.
-[[nodiscard]] Doubts doubtful_stretches(const filter::ImuTimeline& timeline);
+/// C_bs: sensor axes to those of the increments.
+[[nodiscard]] Doubts doubtful_stretches(const filter::ImuTimeline& timeline,
+                                        const Eigen::Matrix3d& C_bs = Eigen::Matrix3d::Identity());
 
 }  // namespace schuler::fusion
