@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <span>
@@ -259,6 +260,25 @@ TEST(Hypotheses, AChallengerThatRefusesHalfTheFixesIsBegunAnew) {
                              [&](std::span<const SolutionRow> some) { rows.insert(rows.end(), some.begin(), some.end()); });
             EXPECT_LT(worst_horizontal(errors(d.settings, rows, d.recording), 200.0), 2000.0) << seed << " " << wrong;
         }
+}
+
+/// Positions that leave by a twenty-fifth of their noise from fix to fix: no gate refuses them, and their slow error, a state, takes
+/// most of it but not all, at twelve times what it is assumed to be.
+TEST(Hypotheses, ASlowErrorFarBeyondTheReceiversModelIsCovered) {
+    Drive d = drive(50);
+    d.scenario.gnss.rate = 5.0;
+    d.scenario.gnss.white_position.setConstant(5.0);
+    d.recording = sim::simulate(d.scenario).recording;
+    for (GnssFix& fix : d.recording.gnss) fix.std_position.setConstant(5.6);
+    sensor::GnssErrorModel& slow = d.settings.gnss.errors;
+    slow.correlated_position.setConstant(2.5);
+    slow.correlated_time = 600.0;
+    slow.correlated_velocity.setConstant(0.03);
+    slow.correlated_velocity_time = 3.0;
+    shift(d, 0.0, 1e9, [](double t) { return Vector3d(std::min(t, 60.0), 0.0, 0.0); });
+    const Outcome o = outcome(d);
+    EXPECT_LT(o.denied, 0.02);
+    EXPECT_GT(o.at_end, 5.0);  // it is followed in part
 }
 
 TEST(Hypotheses, AnUndisturbedDriveAsksNobody) {

@@ -106,6 +106,12 @@ bool wander(const FilterRun<Frame>& run) {
     return moves(run.fixes[0], run.fixes[1], 0, 2) || moves(vertical_channel(run, 0), vertical_channel(run, 1), 2, 1);
 }
 
+/// The part of an estimated error of the receiver that may as well be one of the solution: nothing up to two sigma of what the model
+/// allows, from three on all of it, counted as an undecided difference.
+double unlikely(double estimate, double sigma) {
+    return sigma > 0.0 ? 0.4 * estimate * std::clamp(std::abs(estimate) / sigma - 2.0, 0.0, 1.0) : 0.0;
+}
+
 template <class Frame>
 double speed_sigma(const InertialFilter<Frame>& filter) {
     return std::sqrt(filter.P.diagonal().template segment<3>(Layout::velocity).maxCoeff());
@@ -129,6 +135,14 @@ Matrix9 FilterRun<Frame>::undecided(const InertialModel& model) const {
         const Rival<Frame>& other = rival.front();
         const Vector9 d = 0.4 * difference(model.earth, other.run.filter.geographic(model), filter.geographic(model));
         P += d * d.transpose();
+    }
+    // Positions that contradict the solution end in the receiver's slow error. The covariance assumes a receiver of the model: where its
+    // error would have to be far larger, it does not tell how the contradiction divides between that error and the solution's.
+    if (const int slow = model.layout.gnss_position; slow >= 0) {
+        const Vector3d estimate = filter.parameters.template segment<3>(slow) - filter.error.template segment<3>(slow);
+        Vector3d d;
+        for (int i = 0; i < 3; ++i) d(i) = unlikely(estimate(i), model.gnss.correlated_position(i));
+        P.template topLeftCorner<3, 3>() += d * d.transpose();
     }
     for (std::size_t k = 0; k < fixes.size(); ++k) {
         const FixChannel& c = fixes[k];
