@@ -44,6 +44,10 @@ std::vector<CheckFix> fixes_of(const LoadedDataset& data, const fusion::Result& 
     std::vector<double> sigmas;
     const Regimes regime(result.forward.rows);
     const auto t = [&](Time time) { return (time - data.origin).seconds(); };
+    std::vector<CheckVelocity> velocities;
+    for (const fusion::AidRecord& r : result.aids)
+        if (r.kind == AidKind::GnssVelocity && r.sigma.x() > 0.0 && r.status != AidStatus::Withheld)
+            velocities.push_back({t(r.stamp), r.status == AidStatus::Rejected});
     for (const fusion::AidRecord& r : result.aids)
         if (r.kind == AidKind::GnssPosition && r.sigma.x() > 0.0 && r.status != AidStatus::Withheld) {
             fixes.push_back({t(r.stamp), r.status == AidStatus::Accepted && !r.other_level, regime.at(r.stamp) != Regime::Rest});
@@ -56,6 +60,7 @@ std::vector<CheckFix> fixes_of(const LoadedDataset& data, const fusion::Result& 
                 sigmas.push_back(fix.std_position.head<2>().norm());  // NaN: not known
             }
     leave_out_vague(fixes, sigmas);
+    leave_out_disputed(fixes, velocities);
     return fixes;
 }
 
