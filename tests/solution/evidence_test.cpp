@@ -42,5 +42,37 @@ TEST(Evidence, AnInstrumentThatIsMostlyRefusedContradicts) {
     EXPECT_EQ(gravity_of("instrument.refused"), Gravity::Care);
 }
 
+/// Fixes every second with a silence from 30 s on; the first one after it moves the position, which is known to a metre then.
+bool doubted_after(double silence, double moved, AidStatus in_silence = AidStatus::Excluded) {
+    ResultBundle b;
+    b.result.counters.gnss_accepted = 100;
+    for (int t = 0; t <= 100; ++t) {
+        SolutionRow row;
+        row.time = Time::from_seconds(t);
+        row.std_position.setConstant(1.0);
+        b.result.forward.rows.push_back(row);
+        fusion::AidRecord r;
+        r.kind = AidKind::GnssPosition;
+        r.time = r.stamp = row.time;
+        r.sigma.setConstant(20.0);
+        r.status = AidStatus::Accepted;
+        const bool silent = t > 30 && t < 30.0 + silence;
+        if (silent && in_silence == AidStatus::Excluded) continue;
+        if (silent) r.status = in_silence;
+        if (t > 30) r.innovation.x() = t < 31.0 + silence ? moved : 0.1;
+        b.result.aids.push_back(r);
+    }
+    const std::vector<Concern> concerns = evidence_of(b, {});
+    return std::ranges::find(concerns, "gnss.found_again", &Concern::id) != concerns.end();
+}
+
+TEST(Evidence, AFixThatNothingForetoldIsDoubted) {
+    EXPECT_TRUE(doubted_after(15.0, 20.0));
+    EXPECT_FALSE(doubted_after(15.0, 4.0));                        // within what the solution claims
+    EXPECT_FALSE(doubted_after(3.0, 20.0));                        // hardly silent
+    EXPECT_FALSE(doubted_after(15.0, 20.0, AidStatus::Withheld));  // by the user, who has the fixes
+    EXPECT_EQ(gravity_of("gnss.found_again"), Gravity::Care);
+}
+
 }  // namespace
 }  // namespace schuler::solution

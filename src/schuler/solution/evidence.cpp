@@ -1,6 +1,7 @@
 #include "schuler/solution/evidence.h"
 
 #include "schuler/core/units.h"
+#include "schuler/filter/integrity/refused_fixes.h"
 #include "schuler/filter/measurement/instruments.h"
 #include "schuler/math/quantile.h"
 #include "schuler/settings/config/config.h"
@@ -9,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 namespace schuler::solution {
 namespace {
@@ -67,6 +69,7 @@ public:
             add("gnss.refused", "{} of {} fixes were refused", n.gnss_rejected, met);
         carrier_phases();
         longest_refusal();
+        found_again();
         explained_refusals();
         refused_instruments();
         constexpr double long_hole = 1.0;  // s
@@ -247,6 +250,39 @@ private:
             from = since;
         }
         if (longest > many) add("gnss.lost", "all fixes were refused for {:.0f} s from {:.0f} s on", longest, b_.relative(from));
+    }
+
+    /// Where the receiver was silent for so long that the prediction cannot test what it says afterwards, a fix that is off by as much as
+    /// the prediction is believed, for good if it stays so: the log has nothing that contradicts it.
+    void found_again() {
+        if (b_.data.true_reference) return;                      // the truth tells
+        constexpr double sigmas = 5.0, least = 1.0, soon = 1.0;  // m, s
+        const std::vector<SolutionRow>& rows = b_.solution().rows;
+        std::optional<Time> last;
+        int found = 0;
+        double farthest = 0.0, silence = 0.0;
+        Time at{};
+        for (const fusion::AidRecord& r : b_.result.aids) {
+            if (r.kind != AidKind::GnssPosition || !(r.sigma.x() > 0.0)) continue;
+            const double since = last ? (r.time - *last).seconds() : 0.0;
+            last = r.time;
+            if (since <= filter::interruption || r.status != AidStatus::Accepted || r.time < b_.result.findings.aligned_at)
+                continue;
+            const auto row = std::ranges::lower_bound(rows, r.time + Duration::from_seconds(soon), {}, &SolutionRow::time);
+            if (row == rows.end()) break;
+            const double moved = r.innovation.head<2>().norm();
+            if (!(moved > std::max(least, sigmas * row->std_position.head<2>().norm()))) continue;
+            ++found;
+            if (moved <= farthest) continue;
+            farthest = moved;
+            silence = since;
+            at = r.time;
+        }
+        if (found > 0)
+            add("gnss.found_again",
+                "the first fix after a silence moved the position by up to {:.3g} m ({}; at {:.0f} s, after {:.0f} s), far beyond the sigmas "
+                "from then on: whether the receiver was right there does not show in this log",
+                farthest, times(found), b_.relative(at), silence);
     }
 
     /// An instrument whose measurements are mostly refused contradicts the solution; which of the two is right, the gate does not decide.

@@ -30,6 +30,7 @@ constexpr std::array table{
     Row{"gnss.refused", Gravity::Care},
     Row{"gnss.outside", Gravity::Care},          // used, but outside their sigmas too often
     Row{"gnss.lost", Gravity::Care},             // refused over many consecutive seconds
+    Row{"gnss.found_again", Gravity::Care},      // after a silence, where nothing foretold it
     Row{"gnss.latency", Gravity::Care},          // not known well enough for the speed
     Row{"gnss.explained", Gravity::Care},        // by larger receiver errors than assumed
     Row{"gnss.alert", Gravity::Care},            // the receiver was considered faulty
