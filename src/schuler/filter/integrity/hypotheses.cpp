@@ -137,12 +137,14 @@ Matrix9 FilterRun<Frame>::undecided(const InertialModel& model) const {
         P += d * d.transpose();
     }
     // Positions that contradict the solution end in the receiver's slow error. The covariance assumes a receiver of the model: where its
-    // error would have to be far larger, it does not tell how the contradiction divides between that error and the solution's.
+    // error would have to be far larger, it does not tell how the contradiction divides between that error and the solution's, nor, of
+    // the horizontal ones, in which direction: the heading takes its part.
     if (const int slow = model.layout.gnss_position; slow >= 0) {
         const Vector3d estimate = filter.parameters.template segment<3>(slow) - filter.error.template segment<3>(slow);
         Vector3d d;
         for (int i = 0; i < 3; ++i) d(i) = unlikely(estimate(i), model.gnss.correlated_position(i));
-        P.template topLeftCorner<3, 3>() += d * d.transpose();
+        const double horizontal = d.head<2>().squaredNorm();
+        P.diagonal().template head<3>() += Vector3d(horizontal, horizontal, d.z() * d.z());
     }
     for (std::size_t k = 0; k < fixes.size(); ++k) {
         const FixChannel& c = fixes[k];
