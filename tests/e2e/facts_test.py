@@ -6,6 +6,7 @@ import math
 import os
 import random
 import shutil
+import statistics
 import sys
 import tomllib
 from pathlib import Path
@@ -151,24 +152,29 @@ def facts_real(program, source):
     files = '[imu]\nfile = "imu.csv"\n[gnss]\nfile = "gnss.csv"\n'
     (folder / "said/dataset.toml").write_text(files + "lever_arm_m = [0.0, -0.05, 0.0]\n")
     said = summary_of(program, "said", "-o", "out", *outage)
-    # Fifteen windows, since a few alone tell little. Without the worst one: it hangs on tenths of a degree of pitch at its beginning, and
-    # settings that fit alike draw 6 to 15 m.
-    def usual(logs):
-        rows = []
+    # Window by window, since each hangs on tenths of a degree of pitch at its beginning: settings that fit alike draw errors whose ratio is 1.7
+    # or 0.6, so that the mean ratio of fifteen windows is uncertain by a tenth.
+    def windows(logs):
+        errors = []
         for first in (40, 50, 60, 70):
-            windows = ",".join(f"{start}:15" for start in range(first, 185, 40))
-            rows += summary_of(program, logs, "-o", "many", "--outputs", "summary", "--outage", windows)["outages"]
-        return rms(sorted(rows, key=lambda row: row["end_horizontal_m"])[:-1])
-    errors = {"bare": usual(drive), "said": usual("said")}
-    print(f"drive_0708, outages of 15 s: bare folder {errors['bare']:.2f} m, partial dataset.toml {errors['said']:.2f} m")
-    check(errors["said"] < max(1.05 * errors["bare"], errors["bare"] + 0.1), f"{errors}")
+            chosen = ",".join(f"{start}:15" for start in range(first, 185, 40))
+            rows = summary_of(program, logs, "-o", "many", "--outputs", "summary", "--outage", chosen)["outages"]
+            errors += rows
+        return errors
+    alone, partial = windows(drive), windows("said")
+    check(len(partial) == len(alone) > 12, f"{len(partial)} and {len(alone)} windows")
+    ratios = [math.log(row["end_horizontal_m"] / other["end_horizontal_m"]) for row, other in zip(partial, alone)]
+    mean, scatter = statistics.fmean(ratios), statistics.stdev(ratios) / math.sqrt(len(ratios))
+    print(f"drive_0708, outages of 15 s: bare folder {rms(alone):.2f} m, partial dataset.toml {rms(partial):.2f} m, ratio {math.exp(mean):.2f}, "
+          f"its logarithm +- {scatter:.2f}")
+    check(mean < min(math.log(1.05) + 2.0 * scatter, math.log(1.4)), f"{ratios}")
     check(all(row["inside_3sigma"] for row in said["outages"]), "inside three sigma")
     facts = facts_of(said)
     check(facts["vehicle.kind"]["value"] == "car" and facts["vehicle.kind"]["how"] == "found", f"{facts['vehicle.kind']}")
     check(facts["gnss.lever_arm_m"]["how"] == "given", "the lever arm is given")
     (folder / "said/dataset.toml").write_text(files + "velocity_latency_s = 0.12\n")
     doubled = summary_of(program, "said", "-o", "doubled", *outage)
-    errors["doubled"] = usual("said")
+    check(rms(doubled["outages"]) < 1.05 * rms(bare["outages"]), f"{rms(doubled['outages'])} m, bare {rms(bare['outages'])}")
     told = [text for text in doubled["warnings"] if "velocity_latency_s" in text]
     check(len(told) == 1 and "0.120 s" in told[0] and "the data show" in told[0], f"a latency that counts twice: {doubled['warnings']}")
     check(doubled["findings"]["latency_s"] == bare["findings"]["latency_s"],
@@ -178,7 +184,6 @@ def facts_real(program, source):
     insisted = summary_of(program, "said", "-o", "insisted", *outage)
     check(facts_of(insisted)["gnss.velocity_latency_s"]["how"] == "given" and any("velocity_latency_s" in text for text in insisted["warnings"]),
           "a given value that is to be kept is used, and the contradiction told")
-    check(errors["doubled"] < max(1.05 * errors["bare"], errors["bare"] + 0.1), f"{errors}")
     # what was found, given: the same run
     program("process", drive, "-o", "again", "--config", "bare/config.toml", *outage)
     same = (folder / "again/solution.csv").read_bytes() == (folder / "bare/solution.csv").read_bytes()
