@@ -43,7 +43,6 @@ using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 Eigen::Map<const Vector3d> vector(const double* p) { return Eigen::Map<const Vector3d>(p); }
 Matrix3d matrix(const double* p) { return Eigen::Map<const RowMajor>(p); }
 Quaterniond quaternion(const double* p) { return {p[0], p[1], p[2], p[3]}; }
-void put(const Vector3d& v, double* to) { put_vector(v, to); }
 void put(const Matrix3d& m, double* to) { Eigen::Map<RowMajor>{to} = m; }
 void put(const Quaterniond& q, double* to) {
     to[0] = q.w();
@@ -65,7 +64,8 @@ void bind_attitude(py::module_& m) {
     m.def(
         "rpy_from_dcm",
         [](const py::object& C_nb) {
-            return rows("C_nb", C_nb, 9, true, 3, [](const double* a, double* b) { put(math::rpy_from_dcm(matrix(a)), b); });
+            return rows("C_nb", C_nb, 9, true, 3,
+                        [](const double* a, double* b) { put_vector(math::rpy_from_dcm(matrix(a)), b); });
         },
         py::arg("C_nb"),
         "Roll, pitch, heading (..., 3), rad, of C_nb (..., 3, 3). Heading from 0 to 2 pi; at a pitch of 90 deg the roll is zero.");
@@ -80,7 +80,7 @@ void bind_attitude(py::module_& m) {
         "rpy_from_quaternion",
         [](const py::object& q_nb) {
             return rows("q_nb", q_nb, 4, false, 3,
-                        [](const double* a, double* b) { put(math::rpy_from_quaternion(quaternion(a)), b); });
+                        [](const double* a, double* b) { put_vector(math::rpy_from_quaternion(quaternion(a)), b); });
         },
         py::arg("q_nb"), "Roll, pitch, heading (..., 3), rad, of unit quaternions (..., 4), scalar first.");
     m.def(
@@ -114,7 +114,7 @@ void bind_attitude(py::module_& m) {
         "rotation_vector_from_quaternion",
         [](const py::object& q) {
             return rows("q", q, 4, false, 3,
-                        [](const double* a, double* b) { put(math::rotation_vector_from_quaternion(quaternion(a)), b); });
+                        [](const double* a, double* b) { put_vector(math::rotation_vector_from_quaternion(quaternion(a)), b); });
         },
         py::arg("q"), "Rotation vectors (..., 3), rad, at most pi long, of unit quaternions (..., 4), scalar first.");
     m.def(

@@ -50,26 +50,6 @@ TEST(Coverage, FixesOfVagueSigmasJudgeNothing) {
     EXPECT_TRUE(fixes[0].good && fixes[1].good);
 }
 
-TEST(Coverage, FixesOfAReceiverInDisputeJudgeNothing) {
-    const auto velocities = [](const std::vector<CheckFix>& fixes, double until) {
-        std::vector<CheckVelocity> out;
-        for (const CheckFix& f : fixes) {
-            const bool for_a_while = f.t > 20.2 && f.t<until, briefly = f.t> 4.2 && f.t < 6.8;
-            out.push_back({f.t, for_a_while || briefly});
-        }
-        return out;
-    };
-    std::vector<CheckFix> fixes = fixes_every(0.5, 60.0);
-    leave_out_disputed(fixes, velocities(fixes, 24.2));
-    for (const CheckFix& f : fixes) EXPECT_EQ(f.good, f.t < 20.2 || f.t > 24.2) << f.t;
-    // velocities that are refused for most of the log
-    fixes = fixes_every(0.5, 60.0);
-    leave_out_disputed(fixes, velocities(fixes, 50.0));
-    EXPECT_TRUE(std::ranges::all_of(fixes, &CheckFix::good));
-    leave_out_disputed(fixes, {});
-    EXPECT_TRUE(std::ranges::all_of(fixes, &CheckFix::good));
-}
-
 TEST(Coverage, WindowsAvoidOutagesAndBadFixes) {
     std::vector<CheckFix> fixes = fixes_every(0.5, 600.0);
     for (CheckFix& f : fixes) f.good = std::fmod(f.t, 37.0) < 24.0;

@@ -183,5 +183,23 @@ TEST(Health, InertialUnitThatHasGapsAndHangs) {
     EXPECT_NEAR((all[3].to - Time{}).seconds(), 6.99, 0.02);
 }
 
+TEST(Health, AReceiverIsInDisputeWhereItsVelocitiesAreRefusedForSeconds) {
+    const auto disputes = [](int until) {
+        fusion::Result result;
+        for (int k = 0; k < 600; ++k) {
+            const double t = 0.5 * k;
+            const bool briefly = t > 40.2 && t<42.3, for_a_while = t> 200.2 && t < until;
+            result.aids.push_back(record(t, AidKind::GnssPosition, AidStatus::Accepted));
+            result.aids.push_back(
+                record(t, AidKind::GnssVelocity, briefly || for_a_while ? AidStatus::Rejected : AidStatus::Accepted));
+        }
+        return disputes_of(health_of({}, result));
+    };
+    const std::vector<HealthInterval> found = disputes(206);
+    ASSERT_EQ(found.size(), 1u);
+    expect_spans(found, "gnss_velocity", {{SourceState::Refused, 200.5, 205.5}});
+    EXPECT_TRUE(disputes(290).empty());  // velocities that say nothing about the positions
+}
+
 }  // namespace
 }  // namespace schuler::solution

@@ -38,7 +38,8 @@ UnpackedFile::UnpackedFile(const TextInput& input) : path_(input.name()) {
     if (!is_compressed(path_)) return;
     const std::string bytes = read_bytes(input);
     std::error_code ec;
-    std::string name = (std::filesystem::temp_directory_path(ec) / "schuler_unpacked_XXXXXX").string();
+    const std::string unique(6, 'X');  // mkstemp() replaces it
+    std::string name = (std::filesystem::temp_directory_path(ec) / ("schuler_unpacked_" + unique)).string();
     const int fd = ec ? -1 : mkstemp(name.data());
     if (fd < 0)
         throw input_error("has to be unpacked first: the temporary folder cannot be written", place_in(path_),

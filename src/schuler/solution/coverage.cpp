@@ -8,7 +8,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <functional>
-#include <utility>
 
 namespace schuler::solution {
 namespace {
@@ -113,25 +112,6 @@ void leave_out_vague(std::vector<CheckFix>& fixes, const std::vector<double>& si
     if (fixes.empty()) return;
     const double limit = std::max(least, many * math::median(sigmas));
     for (std::size_t i = 0; i < fixes.size(); ++i) fixes[i].good &= !(sigmas[i] > limit);
-}
-
-void leave_out_disputed(std::vector<CheckFix>& fixes, std::span<const CheckVelocity> velocities) {
-    constexpr std::size_t several = 4, mostly = 5;
-    constexpr double seconds = 3.0, tolerance = 1e-6;  // s
-    std::vector<std::pair<double, double>> disputes;
-    std::size_t refused = 0;
-    for (std::size_t first = 0, k = 0; k <= velocities.size(); ++k) {
-        if (k < velocities.size() && velocities[k].refused) continue;
-        const std::size_t count = k - first;
-        if (count >= several && velocities[k - 1].t - velocities[first].t >= seconds) {
-            disputes.emplace_back(velocities[first].t - tolerance, velocities[k - 1].t + tolerance);
-            refused += count;
-        }
-        first = k + 1;
-    }
-    if (mostly * refused > velocities.size()) return;
-    for (const auto& [begin, end] : disputes)
-        for (CheckFix& f : fixes) f.good &= !(f.t >= begin && f.t <= end);
 }
 
 CheckWindows check_windows(std::span<const CheckFix> fixes, double from, double to, std::span<const fusion::Outage> outages) {

@@ -25,17 +25,6 @@ struct CheckFix {
 /// A fix whose sigma (m, horizontal; NaN: not known) is ten times the usual one and 30 m or more would confirm any solution: no good one.
 void leave_out_vague(std::vector<CheckFix>& fixes, const std::vector<double>& sigmas);
 
-/// A velocity of the receiver, and whether the run refused it.
-struct CheckVelocity {
-    double t = 0.0;
-    bool refused = false;
-};
-
-/// Fixes whose velocities were refused for longer than a wrong navigation would have taken to show: the receiver was at fault then, and its
-/// positions, though they were within their own sigmas, do not tell how good the inertial unit is: no good ones. Not where that is so for
-/// more than a fifth of the log: the velocities of such a receiver say nothing about its positions.
-void leave_out_disputed(std::vector<CheckFix>& fixes, std::span<const CheckVelocity> velocities);
-
 /// The fixes to withhold. Even and odd windows are withheld in separate runs, so that the distance between two windows of a run
 /// is at least three times their length.
 struct CheckWindows {

@@ -213,4 +213,20 @@ std::vector<HealthInterval> health_of(const LoadedDataset& data, const fusion::R
     return out;
 }
 
+std::vector<HealthInterval> disputes_of(std::span<const HealthInterval> health) {
+    constexpr std::size_t several = 4, fifth = 5;
+    constexpr double long_enough = 3.0;  // s
+    std::vector<HealthInterval> out;
+    std::size_t refused = 0, all = 0;
+    for (const HealthInterval& h : health) {
+        if (h.source != filter::info_of(AidKind::GnssVelocity).key) continue;
+        all += h.samples;
+        if (h.state != SourceState::Refused || h.samples < several || (h.to - h.from).seconds() < long_enough) continue;
+        out.push_back(h);
+        refused += h.samples;
+    }
+    if (fifth * refused > all) out.clear();
+    return out;
+}
+
 }  // namespace schuler::solution

@@ -4,6 +4,7 @@
 #include "schuler/fusion/result.h"
 #include "schuler/solution/loaded_dataset.h"
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -37,5 +38,9 @@ struct HealthInterval {
 /// with the surrounding one if they are under a tenth of its samples; if there are more, one interval indicates alternating
 /// states. Vehicle constraints and ranges are not sources here: constraints have no log, ranges have one per satellite.
 [[nodiscard]] std::vector<HealthInterval> health_of(const LoadedDataset& data, const fusion::Result& result);
+
+/// Where the velocities of the receiver were refused for longer than a wrong navigation would have taken to show: it was at fault. None if that is
+/// so for more than a fifth of them: such velocities say nothing about the positions.
+[[nodiscard]] std::vector<HealthInterval> disputes_of(std::span<const HealthInterval> health);
 
 }  // namespace schuler::solution

@@ -102,15 +102,10 @@ SourceKinds kinds_of_sources(const ResultBundle& b) {
 
 constexpr const char* start_alone = "; it is used for the initial alignment only";
 
-bool takes_ranges(const settings::Config& c) {
-    using enum settings::Scheme;
-    return c.scheme == Tight || c.scheme == Intermediate || c.scheme == Deep;
-}
-
 std::vector<Rule> inertial_rules(const ResultBundle& b) {
     const settings::Config& c = b.data.config;
     const fusion::Settings& f = c.filter;
-    const bool tight = takes_ranges(c);
+    const bool tight = fusion::uses_ranges(f.coupling);
     const bool separate = c.scheme == settings::Scheme::Separate;
     // The start is found by runs of the loosely coupled filter.
     const auto but_for_start = [&](bool effect, const char* reason) {
@@ -210,7 +205,7 @@ std::vector<Rule> sensor_rules(const ResultBundle& b) {
     const fusion::Settings& f = c.filter;
     const Recording& r = b.data.recording;
     const bool baro = f.baro.use && !r.baro.empty(), mag = f.mag.use && !r.mag.empty();
-    const bool raw = c.gnss.file.empty() || takes_ranges(c);
+    const bool raw = c.gnss.file.empty() || fusion::uses_ranges(f.coupling);
     const bool velocities = std::ranges::any_of(r.gnss, [](const GnssFix& x) { return x.velocity_n.allFinite(); });
     const fusion::InitialSettings& i = f.initial;
     const bool position = std::isfinite(i.position.lat) && std::isfinite(i.position.lon) && std::isfinite(i.position.h);

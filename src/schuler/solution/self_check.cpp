@@ -5,6 +5,7 @@
 #include "schuler/fusion/run_filter.h"
 #include "schuler/math/rotation.h"
 #include "schuler/settings/config/config.h"
+#include "schuler/solution/health.h"
 #include "schuler/solution/loaded_dataset.h"
 
 #include <algorithm>
@@ -44,10 +45,6 @@ std::vector<CheckFix> fixes_of(const LoadedDataset& data, const fusion::Result& 
     std::vector<double> sigmas;
     const Regimes regime(result.forward.rows);
     const auto t = [&](Time time) { return (time - data.origin).seconds(); };
-    std::vector<CheckVelocity> velocities;
-    for (const fusion::AidRecord& r : result.aids)
-        if (r.kind == AidKind::GnssVelocity && r.sigma.x() > 0.0 && r.status != AidStatus::Withheld)
-            velocities.push_back({t(r.stamp), r.status == AidStatus::Rejected});
     for (const fusion::AidRecord& r : result.aids)
         if (r.kind == AidKind::GnssPosition && r.sigma.x() > 0.0 && r.status != AidStatus::Withheld) {
             fixes.push_back({t(r.stamp), r.status == AidStatus::Accepted && !r.other_level, regime.at(r.stamp) != Regime::Rest});
@@ -60,7 +57,9 @@ std::vector<CheckFix> fixes_of(const LoadedDataset& data, const fusion::Result& 
                 sigmas.push_back(fix.std_position.head<2>().norm());  // NaN: not known
             }
     leave_out_vague(fixes, sigmas);
-    leave_out_disputed(fixes, velocities);
+    // The positions of a receiver in dispute, though within their sigmas, do not tell how good the inertial unit is.
+    for (const HealthInterval& h : disputes_of(health_of(data, result)))
+        for (CheckFix& f : fixes) f.good &= !(f.t >= t(h.from) && f.t <= t(h.to));
     return fixes;
 }
 

@@ -106,10 +106,10 @@ bool wander(const FilterRun<Frame>& run) {
     return moves(run.fixes[0], run.fixes[1], 0, 2) || moves(vertical_channel(run, 0), vertical_channel(run, 1), 2, 1);
 }
 
-/// The part of an estimated error of the receiver that may as well be one of the solution: nothing up to two sigma of what the model
-/// allows, from three on all of it, counted as an undecided difference.
-double unlikely(double estimate, double sigma) {
-    return sigma > 0.0 ? 0.4 * estimate * std::clamp(std::abs(estimate) / sigma - 2.0, 0.0, 1.0) : 0.0;
+/// What of an estimated error of the receiver may as well be one of the solution: nothing up to two sigma of what the model allows, from
+/// three on all of it.
+double beyond_model(double estimate, double sigma) {
+    return sigma > 0.0 ? estimate * std::clamp(std::abs(estimate) / sigma - 2.0, 0.0, 1.0) : 0.0;
 }
 
 template <class Frame>
@@ -123,7 +123,7 @@ template <class Frame>
 Matrix9 FilterRun<Frame>::undecided(const InertialModel& model) const {
     Matrix9 P = Matrix9::Zero();
     // A heading sensor that is always refused leaves two suspects: it and the heading.
-    const double heading = std::hypot(undecided_heading, 0.4 * refused_heading);
+    const double heading = std::hypot(undecided_heading, undecided_part * refused_heading);
     P(Layout::attitude + 2, Layout::attitude + 2) = heading * heading;
     if (heading > 0.0 && model.eccentric())
         turn_about_antenna(filter.geographic(model).q_nb * filter.lever_arm(model), P.template bottomRightCorner<3, 3>(), P);
@@ -133,7 +133,7 @@ Matrix9 FilterRun<Frame>::undecided(const InertialModel& model) const {
     }
     if (!rival.empty() && !rival.front().explained) {
         const Rival<Frame>& other = rival.front();
-        const Vector9 d = 0.4 * difference(model.earth, other.run.filter.geographic(model), filter.geographic(model));
+        const Vector9 d = undecided_part * difference(model.earth, other.run.filter.geographic(model), filter.geographic(model));
         P += d * d.transpose();
     }
     // Positions that contradict the solution end in the receiver's slow error. The covariance assumes a receiver of the model: where its
@@ -142,7 +142,7 @@ Matrix9 FilterRun<Frame>::undecided(const InertialModel& model) const {
     if (const int slow = model.layout.gnss_position; slow >= 0) {
         const Vector3d estimate = filter.parameters.template segment<3>(slow) - filter.error.template segment<3>(slow);
         Vector3d d;
-        for (int i = 0; i < 3; ++i) d(i) = unlikely(estimate(i), model.gnss.correlated_position(i));
+        for (int i = 0; i < 3; ++i) d(i) = undecided_part * beyond_model(estimate(i), model.gnss.correlated_position(i));
         const double horizontal = d.head<2>().squaredNorm();
         P.diagonal().template head<3>() += Vector3d(horizontal, horizontal, d.z() * d.z());
     }
@@ -150,7 +150,7 @@ Matrix9 FilterRun<Frame>::undecided(const InertialModel& model) const {
         const FixChannel& c = fixes[k];
         const int block = k % 2 == 0 ? Layout::position : Layout::velocity;
         if (c.run.count() > 1) {
-            const Vector3d d = 0.4 * c.run.latest();
+            const Vector3d d = undecided_part * c.run.latest();
             P.template block<3, 3>(block, block) += d * d.transpose();
         }
         if (!c.levels.two) continue;

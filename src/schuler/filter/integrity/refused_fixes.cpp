@@ -118,9 +118,9 @@ void FixLevels::swap() {
 
 Vector3d FixLevels::spread() const {
     if (!two) return Vector3d::Zero();
-    if (at_other) return 0.4 * other;  // undecided
+    if (at_other) return undecided_part * other;
     const double w = there / std::max(here + there, 1.0);
-    return std::min(0.4, std::sqrt(w * (1.0 - w))) * other;
+    return std::min(undecided_part, std::sqrt(w * (1.0 - w))) * other;
 }
 
 void FixChannel::fit(Time time, const Vector3d& innovation, double sigma) {

@@ -67,6 +67,8 @@ private:
 
 /// s without a used position, after which the next fix is the first after an interruption.
 inline constexpr double interruption = 5.0;
+/// Of a difference between two hypotheses, as an error beside the covariance: undecided, it is 2.5 sigma.
+inline constexpr double undecided_part = 0.4;
 
 /// A receiver whose positions moved from one level to another between two fixes without the inertial unit sensing it. The shape
 /// of the track does not show which level is right: the evidence for each is how long it was held. Plain and copyable.

@@ -90,6 +90,7 @@ void GatheredMotion::add(const Layout& layout, double dt, const Matrix3d& C, con
 
 void GatheredMotion::fill(const Layout& layout, estim::Transition& phi) const {
     phi.driven = estim::padded(layout.driven());
+    phi.shear_count = 0;
     phi.rows.setZero();
     for (int i = 0; i < 9; ++i) phi.rows(i, i) = 1.0;
     put(phi, p, v, Matrix3d(time * Matrix3d::Identity()));

@@ -248,7 +248,8 @@ HeadingForce InertialFilter<Frame>::force_for_heading(const InertialModel& model
 }
 
 template <class Frame>
-void InertialFilter<Frame>::fill_transition(const InertialModel& model, const HeadingForce& force, estim::Transition& phi) const {
+void InertialFilter<Frame>::fill_transition(const InertialModel& model, const HeadingForce& force, const Corrections& after,
+                                            estim::Transition& phi) const {
     gathered.fill(model.layout, phi);
     // What is withheld is a part of the acceleration: the force that balances gravity and the Coriolis acceleration is smooth.
     const Vector3d column = (force.effective - horizontal_part(gathered.acceleration, force.down)).cross(force.down);
@@ -256,29 +257,30 @@ void InertialFilter<Frame>::fill_transition(const InertialModel& model, const He
         phi.rows.col(Layout::velocity + i).template segment<3>(Layout::attitude) += column(i) * force.down;
         phi.rows.col(Layout::position + i).template segment<3>(Layout::attitude) += 0.5 * gathered.time * column(i) * force.down;
     }
-    if (model.eccentric()) withhold_lever_arm(model, force.down, phi);
-    late_fix.fill(model.layout, phi);
+    if (model.eccentric()) withhold_lever_arm(model, force.down, after, phi);
+    after.fill_late(model.layout, phi);
     if (model.layout.gravity_constant >= 0)
         fill_disturbance(model.disturbance, model.layout, gathered.time, gathered.distance, disturbance_axes(model), phi);
     gathered.add_earth(Frame::dynamics(model.earth, nav, Vector3d::Zero()), phi);
 }
 
 template <class Frame>
-void InertialFilter<Frame>::withhold_lever_arm(const InertialModel& model, const Vector3d& down, estim::Transition& phi) const {
+void InertialFilter<Frame>::withhold_lever_arm(const InertialModel& model, const Vector3d& down, const Corrections& after,
+                                               estim::Transition& phi) const {
     constexpr int p = Layout::position;
-    const Matrix3d of_antenna = math::skew(antenna_moved);
     // The error of withholding a turn, heading times uncertain rate times arm, is small against that of the inertial velocity.
     const double angle = uncertain_rate(gathered.gyro_variance / (gathered.time * gathered.time)) * gathered.time;
     const Vector3d l_b = lever_arm(model), moved = horizontal_part(gathered.rotation * l_b, down);
     const double limit = heading_unknown(heading_variance(model)) * angle * l_b.norm();
     const Vector3d turned = down.cross(withheld_part(moved, limit));
     for (int i = 0; i < 3; ++i)
-        phi.rows.col(p + i).template segment<3>(Layout::attitude) += of_antenna.row(i).transpose() + turned(i) * down;
+        phi.rows.col(p + i).template segment<3>(Layout::attitude) +=
+            math::skew(after.antenna_moved).row(i).transpose() + turned(i) * down;
     const int own = model.layout.lever_arm;
     if (own < 0) return;
     const Matrix3d turn = C.transpose() * gathered.rotation;
     const Vector3d axes = 0.5 * Vector3d(turn(2, 1) - turn(1, 2), turn(0, 2) - turn(2, 0), turn(1, 0) - turn(0, 1));
-    const Matrix3d of_arm = arm_turned - C * math::skew(axes - for_lever_arm(axes, angle));
+    const Matrix3d of_arm = after.arm_turned - C * math::skew(axes - for_lever_arm(axes, angle));
     for (int i = 0; i < 3; ++i) phi.rows.col(p + i).template segment<3>(own) += of_arm.row(i).transpose();
 }
 
@@ -305,16 +307,22 @@ bool InertialFilter<Frame>::propagate_covariance(const InertialModel& model, est
         cached_q.template segment<3>(L.gnss_position) = -std::expm1(-2.0 * times) * model.gnss.correlated_position.cwiseAbs2();
     }
     phi.diagonal = cached_diagonal;
-    phi.shear_count = 0;
     const HeadingForce force = force_for_heading(model);
-    fill_transition(model, force, phi);
-    if (L.clock >= 0) phi.shears[static_cast<std::size_t>(phi.shear_count++)] = {L.clock, L.drift, T};
+    const auto fill = [&](const Corrections& after) {
+        fill_transition(model, force, after, phi);
+        if (L.clock >= 0) phi.shears[static_cast<std::size_t>(phi.shear_count++)] = {L.clock, L.drift, T};
+    };
+    StateVector moved = error;  // all zero in the closed loop
+    if (model.loop != Loop::Closed) {
+        fill({});
+        moved = phi.times(error);
+    }
+    fill(corrections);
     estim::propagate(P, phi, used);
     gathered.add_noise(bias_noise(model), P);
     estim::add(P.block<3, 3>(Layout::velocity, Layout::velocity), force.velocity_noise);
     withheld = force.withheld;
-    antenna_moved.setZero();
-    arm_turned.setZero();
+    corrections = {};
     estim::add(P.diagonal().head(used), cached_q.head(used));
     if (L.clock >= 0) {
         const double cross = 0.5 * model.drift_psd * T * T;
@@ -329,13 +337,9 @@ bool InertialFilter<Frame>::propagate_covariance(const InertialModel& model, est
                               model.disturbance.from_local_level(Frame::C_en(model.earth, nav)), disturbance_axes(model), P);
     // the nominal values of the disturbance were propagated with the nominal state
     parameters.tail(n - 9).array() *= cached_diagonal.tail(n - 9).array();
-    if (model.loop != Loop::Closed) {
-        const StateVector before = error;
-        error = phi.times(error) - late_fix.shift(L, error);  // which changes what is known of the error, not the estimate
-        // the acceleration of the estimate, not that of the nominal state
-        withheld.change -= horizontal_part((error - before).segment<3>(Layout::velocity), force.down);
-    }
-    late_fix = {};
+    // the acceleration of the estimate, not that of the nominal state
+    withheld.change -= horizontal_part((moved - error).segment<3>(Layout::velocity), force.down);
+    error = moved;
     mean_force = gathered.force / T;
     gathered.reset();
     return true;
@@ -383,10 +387,10 @@ Eigen::Vector3d InertialFilter<Frame>::sigma_apart(const InertialModel& model, c
 template <class Frame>
 void InertialFilter<Frame>::apply(const InertialModel& model, const StateVector& dx) {
     withheld.correct(-horizontal_part(dx.segment<3>(Layout::velocity), down_axis(model)));
-    late_fix.correct(model.layout, dx);
+    corrections.add_late(model.layout, dx);
     const auto attitude = [&] { return Matrix3d(math::dcm_from_rotation_vector(error.segment<3>(Layout::attitude)) * C); };
     const Matrix3d before = model.eccentric() ? attitude() : Matrix3d::Zero();
-    if (model.eccentric()) antenna_moved += before * lever_arm(model);
+    if (model.eccentric()) corrections.antenna_moved += before * lever_arm(model);
     if (model.loop == Loop::Closed) {
         set_nav(Frame::corrected(model.earth, nav, dx.head<9>()));
         parameters.tail(dx.size() - 9) -= dx.tail(dx.size() - 9);
@@ -394,8 +398,8 @@ void InertialFilter<Frame>::apply(const InertialModel& model, const StateVector&
         error += dx;
     }
     if (!model.eccentric()) return;
-    antenna_moved -= attitude() * lever_arm(model);
-    if (model.layout.lever_arm >= 0) arm_turned += before - attitude();
+    corrections.antenna_moved -= attitude() * lever_arm(model);
+    if (model.layout.lever_arm >= 0) corrections.arm_turned += before - attitude();
 }
 
 template <class Frame>
@@ -427,12 +431,6 @@ void InertialFilter<Frame>::clone(int first, const std::array<estim::Row, 3>& ro
     for (int k = 0; k < 3; ++k) renew(first + k, 0.0);
     estim::clone(P, rows, first, used);
     parameters.segment<3>(first) = value;
-}
-
-template <class Frame>
-void InertialFilter<Frame>::set_slot_process(std::size_t slot, StateProcess process_) {
-    slot_process[slot] = process_;
-    cached_time = -1.0;
 }
 
 template <class Frame>
@@ -485,7 +483,7 @@ Matrix9 InertialFilter<Frame>::local_covariance(const InertialModel& model) cons
         estim::Transition phi;
         if (model.layout.gravity_constant >= 0) phi.diagonal = StateVector::Ones(P.rows());
         const HeadingForce force = force_for_heading(model);
-        fill_transition(model, force, phi);
+        fill_transition(model, force, corrections, phi);
         P9 = estim::propagated_corner(P, phi) + gathered.noise(bias_noise(model));
         P9.block<3, 3>(Layout::velocity, Layout::velocity) += force.velocity_noise;
     }

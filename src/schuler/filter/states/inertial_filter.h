@@ -7,11 +7,11 @@
 #include "schuler/estim/update.h"
 #include "schuler/filter/measurement/measurement.h"
 #include "schuler/filter/settings.h"
+#include "schuler/filter/states/corrections.h"
 #include "schuler/filter/states/disturbance.h"
 #include "schuler/filter/states/frame.h"
 #include "schuler/filter/states/gathered_motion.h"
 #include "schuler/filter/states/heading_force.h"
-#include "schuler/filter/states/late_fix.h"
 #include "schuler/filter/states/layout.h"
 #include "schuler/filter/states/recent_change.h"
 #include "schuler/filter/states/recent_mean.h"
@@ -100,11 +100,7 @@ struct InertialFilter {
     Eigen::Vector3d last_force = Eigen::Vector3d::Zero();  ///< of the last increment, likewise
     Eigen::Vector3d mean_force = Eigen::Vector3d::Zero();  ///< specific force over the last interval, frame axes, m/s^2
     RecentMean recent_force;                               ///< likewise, independent of the intervals of measurements
-    /// m, frame axes: by which corrections of the attitude have moved the antenna about the unit since the last propagation. The fixes
-    /// give the antenna; the covariance keeps what is known of it, so that a correction of the heading is no information on it.
-    Eigen::Vector3d antenna_moved = Eigen::Vector3d::Zero();
-    Eigen::Matrix3d arm_turned = Eigen::Matrix3d::Zero();  ///< the same of the row of the lever arm, if it is a state
-    LateFix late_fix;
+    Corrections corrections;
     Withheld withheld;          ///< from the column of the heading
     double cached_time = -1.0;  ///< of decay and noise below, s
     StateVector cached_diagonal, cached_q;
@@ -196,7 +192,10 @@ struct InertialFilter {
     /// [RoumeliotisBurdick2002]; `value`: their nominal values.
     void clone(int first, const std::array<estim::Row, 3>& rows, const Eigen::Vector3d& value);
     /// The process of a slot of the source block.
-    void set_slot_process(std::size_t slot, StateProcess process_);
+    void set_slot_process(std::size_t slot, StateProcess process_) {
+        slot_process[slot] = process_;
+        cached_time = -1.0;
+    }
 
     /// The estimate: nominal state and parameters, corrected by `error`.
     [[nodiscard]] typename Frame::State estimated(const InertialModel& model) const;
@@ -210,12 +209,15 @@ struct InertialFilter {
     [[nodiscard]] Matrix9 to_local_level(const InertialModel& model) const;
 
 private:
-    /// Rows and gravity disturbance of the transition over the gathered motion; D and shears of phi are those of the other states.
-    void fill_transition(const InertialModel& model, const HeadingForce& force, estim::Transition& phi) const;
+    /// Rows and gravity disturbance of the transition over the gathered motion, after these corrections; D and shears of phi are those
+    /// of the other states.
+    void fill_transition(const InertialModel& model, const HeadingForce& force, const Corrections& after,
+                         estim::Transition& phi) const;
     [[nodiscard]] Eigen::Vector3d down_axis(const InertialModel& model) const;
     /// Refers the covariance to the antenna: corrections of the attitude, and turns within the gyros' errors, tell neither the heading
     /// nor the lever arm.
-    void withhold_lever_arm(const InertialModel& model, const Eigen::Vector3d& down, estim::Transition& phi) const;
+    void withhold_lever_arm(const InertialModel& model, const Eigen::Vector3d& down, const Corrections& after,
+                            estim::Transition& phi) const;
     /// What the gathered motion says about the heading.
     [[nodiscard]] HeadingForce force_for_heading(const InertialModel& model) const;
     /// Nominal gravity disturbance and `gathered.distance` after dt at the current velocity.

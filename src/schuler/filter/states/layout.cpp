@@ -27,7 +27,7 @@ int Layout::driven() const {
     if (accel_scale >= 0) end = std::max(end, accel_scale + 3);
     if (accel_misalignment >= 0) end = std::max(end, accel_misalignment + 6);
     if (lever_arm >= 0) end = std::max(end, lever_arm + 3);
-    if (gnss_latency >= 0) end = std::max(end, gnss_latency + 1);  // LateFix
+    if (gnss_latency >= 0) end = std::max(end, gnss_latency + 1);  // Corrections
     for (const int gravity : {gravity_constant, gravity_random, gravity_slope, gravity_curvature})
         if (gravity >= 0) end = std::max(end, gravity + 3);
     return end;

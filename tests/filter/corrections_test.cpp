@@ -88,7 +88,7 @@ void check(bool gains, bool lever_arm, bool wheels, bool gravity, Loop loop) {
     EXPECT_LT((moved - dt * corrected.v_eb_n).norm(), 1e-4);  // half a metre per second times 0.05 s is 25 mm
 }
 
-TEST(LateFix, CorrectionsAreNoMotionWhateverTheOtherStates) {
+TEST(Corrections, OfLateFixesAreNoMotionWhateverTheOtherStates) {
     for (const Loop loop : {Loop::Closed, Loop::Open})
         for (int k = 0; k < 8; ++k) {
             SCOPED_TRACE(testing::Message() << k << (loop == Loop::Open ? ", open" : ""));
