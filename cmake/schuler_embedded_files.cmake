@@ -1,5 +1,9 @@
 # Files that are compiled into a room, so that the program needs nothing beside it: see embed_data.cmake.
 function(schuler_embed room namespace header)
+    get_target_property(imported schuler_${room} IMPORTED)
+    if(imported)
+        return()
+    endif()
     set(source "${PROJECT_BINARY_DIR}/embedded/${room}.cpp")
     add_custom_command(
         OUTPUT "${source}"

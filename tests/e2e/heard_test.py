@@ -4,6 +4,7 @@ import shutil
 import subprocess
 from pathlib import Path
 
+from gravity_test import SURVEY
 from program_test import check, main
 
 DRIVE = """
@@ -60,8 +61,62 @@ KEYS = {
 }
 
 
+# Of these, those that have a part of a survey, with a start that is given.
+START = {f"initial.{key}": value for key, value in {
+    "lat_deg": "55.8", "lon_deg": "37.5", "height_m": "164", "heading_deg": "45", "roll_deg": "0", "pitch_deg": "0", "vel_n_m_s": "7.0711",
+    "vel_e_m_s": "7.0711", "vel_d_m_s": "0", "std_n_m": "1", "std_e_m": "1", "std_d_m": "1", "std_vn_m_s": "0.01", "std_ve_m_s": "0.01", "std_vd_m_s": "0.01",
+    "std_roll_deg": "0.01", "std_pitch_deg": "0.01", "std_heading_deg": "0.1"}.items()}
+OF_A_SURVEY = {
+    "initial.gyro_bias_deg_h": "[0.02, 0, 0]", "initial.accel_bias_mg": "[0, 0, 0.001]", "initial.std_roll_deg": "3", "initial.std_heading_deg": "9",
+    "imu.estimate_noise": "true", "gravity.prior_mgal": "[5, 5, 5]", "filter.scale_factors": "true", "filter.misalignments": "true",
+} | {key: KEYS[key] for key in (
+    "filter.mechanization", "filter.loop", "filter.smooth", "filter.backward", "filter.feedback_period_s",
+    "filter.estimate_lever_arm", "filter.nonholonomic", "filter.gate_probability", "filter.loose", "filter.separate.restart_s", "filter.integrity.use",
+    "filter.protection.use", "mag.heading_std_deg", "baro.white_m", "gnss.lever_arm_m", "gnss.correlated_m", "gnss.consider_errors", "gnss.latency_s",
+    "gnss.std_scale", "gnss.use_velocity", "ranges.white_m", "odometer.std_m_s", "imu.gyro_quantum_arcsec", "earth.rotation_rad_s", "imu.stamp",
+    "heading.std_deg", "output.lever_arm_m", "vehicle.kind")}
+
+
 def run(program, *arguments):
     return subprocess.run([program.path, *map(str, arguments)], cwd=program.folder, capture_output=True, text=True, timeout=60, stdin=subprocess.DEVNULL)
+
+
+def each_key(program, keys, *command):
+    folder = Path(program.folder)
+
+    def outputs(name):
+        told = json.loads((folder / name / "summary.json").read_text())
+        for key in ("timing", "facts", "ignored", "warnings"):
+            told.pop(key, None)
+        return [(file.name, file.read_bytes()) for file in sorted((folder / name).glob("*.csv"))], json.dumps(told)
+
+    silent = []
+    shutil.rmtree(folder / "plain", ignore_errors=True)
+    run(program, *command, "-o", "plain", "-q")
+    plain = outputs("plain")
+    for key, value in keys.items():
+        shutil.rmtree(folder / "with", ignore_errors=True)
+        done = run(program, *command, "-o", "with", "-q", "--set", f"{key}={value}")
+        if done.returncode not in (0, 1):
+            if done.returncode != 2 or key not in done.stderr:
+                silent.append((key, done.returncode, done.stderr))
+            continue
+        named = [i["key"] for i in json.loads((folder / "with/summary.json").read_text())["ignored"]]
+        if outputs("with") == plain and key not in named:
+            silent.append(key)
+    check(not silent, f"{command}: ignored without a word: {silent}")
+
+
+def gravity(program, source):
+    """The same for a survey, whose start is given or found."""
+    folder = Path(program.folder)
+    (folder / "survey.toml").write_text(SURVEY)
+    program("simulate", "survey.toml", "-o", "survey", "-q")
+    given = [word for key, value in START.items() for word in ("--set", f"{key}={value}")]
+    each_key(program, OF_A_SURVEY, "gravity", "survey", *given)
+    found = dict(OF_A_SURVEY)
+    found.pop("imu.estimate_noise"), found.pop("initial.std_roll_deg"), found.pop("initial.std_heading_deg")  # the noise is given in the data set
+    each_key(program, found, "gravity", "survey")
 
 
 def heard(program, source):
@@ -70,26 +125,8 @@ def heard(program, source):
     (folder / "drive.toml").write_text(DRIVE)
     program("simulate", "drive.toml", "-o", "drive", "-q")
 
-    def outputs(name):
-        told = json.loads((folder / name / "summary.json").read_text())
-        told.pop("timing"), told.pop("facts"), told.pop("ignored"), told.pop("warnings")
-        return [(file.name, file.read_bytes()) for file in sorted((folder / name).glob("*.csv"))], json.dumps(told)
-
-    silent = []
     for scheme in ("gnss", "separate", "loose", "tight", "medium"):
-        program("process", "drive", "--scheme", scheme, "-o", "plain", "-q")
-        plain = outputs("plain")
-        for key, value in KEYS.items():
-            shutil.rmtree(folder / "with", ignore_errors=True)
-            done = run(program, "process", "drive", "--scheme", scheme, "-o", "with", "-q", "--set", f"{key}={value}")
-            if done.returncode != 0:
-                if done.returncode != 2 or key not in done.stderr:
-                    silent.append((scheme, key, done.returncode, done.stderr))
-                continue
-            named = [i["key"] for i in json.loads((folder / "with/summary.json").read_text())["ignored"]]
-            if outputs("with") == plain and key not in named:
-                silent.append((scheme, key))
-    check(not silent, "ignored without a word: " + "; ".join(map(str, silent)))
+        each_key(program, KEYS, "process", "drive", "--scheme", scheme)
     # what is typed is not hidden behind the keys of the file
     for command in (("process", "drive", "--scheme", "gnss"), ("ahrs", "drive")):
         told = run(program, *command, "-o", "typed", "--set", "filter.integrity.use=true", "--set", "filter.gate_probability=0.01").stderr
@@ -143,4 +180,4 @@ def scenarios(program, source):
 
 
 if __name__ == "__main__":
-    main({"heard": heard, "heard_scenarios": scenarios})
+    main({"heard": heard, "heard_gravity": gravity, "heard_scenarios": scenarios})

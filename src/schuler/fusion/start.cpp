@@ -412,6 +412,11 @@ Start found_start(const RunData& data, const Settings& settings, Findings& findi
 
 }  // namespace
 
+bool gives_start(const InitialSettings& i) {
+    return std::isfinite(i.position.lat) && i.velocity_n.allFinite() && i.rpy.allFinite() && i.std_position.allFinite() &&
+           i.std_velocity.allFinite() && i.std_rpy.allFinite();
+}
+
 Start find_start(const RunData& data, const Settings& settings, Findings& findings, WarningLog& warnings) {
     Start start = found_start(data, settings, findings, warnings);
     // The acceleration in which the fixes' latency is effective from here on; another one would appear as information about it.

@@ -5,6 +5,9 @@
 
 namespace schuler::fusion {
 
+/// Whether position, velocity and attitude are given with their sigmas: nothing of the start has to be found.
+[[nodiscard]] bool gives_start(const InitialSettings& initial);
+
 /// Determines the initial state from the data if it is not given by the settings. Throws Error(Input) if it cannot start (no fix
 /// within the IMU's time) and warns if the heading could not be determined.
 [[nodiscard]] Start find_start(const RunData& data, const Settings& settings, Findings& findings, WarningLog& warnings);

@@ -1,5 +1,6 @@
 #include "schuler/solution/ignored.h"
 
+#include "schuler/fusion/start.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/solution/bundle.h"
 
@@ -184,7 +185,10 @@ std::vector<Rule> gravity_rules(const ResultBundle& b) {
         {{"mag."}, by_survey("gravimetry uses no magnetometer")},
         {{"baro."}, unless(c.gravity.height_aid, by_survey("the barometer is used with gravity.height_aid only"))},
         {{"filter.self_check"}, "it belongs to `schuler process`"},
-        {{"imu.mounting_std_deg"}, by_survey("gravimetry uses no motion of the vehicle")},
+        {{"imu.mounting_std_deg", "vehicle."}, by_survey("gravimetry uses no motion of the vehicle")},
+        {{"filter.feedback_"}, unless(c.filter.loop == fusion::Loop::Mixed, "filter.loop is not \"mixed\"")},
+        {{"imu.estimate_noise"},
+         unless(!fusion::gives_start(c.filter.initial), "noise is estimated where the start is, and [initial] gives the start")},
         {{"ranges.", "stations."}, by_survey("gravimetry uses no ranges")}};
 }
 
@@ -221,7 +225,8 @@ std::vector<Rule> sensor_rules(const ResultBundle& b) {
          unless(!baro || std::ranges::any_of(r.baro, [](const BaroSample& x) { return std::isfinite(x.pressure); }),
                 "the log gives heights, not pressures")},
         {{"imu.gyro_quantum_", "imu.gyro_temperature_", "imu.gyro_g_", "imu.accel_quantum_", "imu.accel_temperature_"},
-         unless(b.command != "process", "it is an error of simulated units; the filter has biases and white noise for it")},
+         unless(b.command != "process" && (b.command != "gravity" || b.data.true_reference),
+                "it is an error of simulated units; the filter has biases and white noise for it")},
         {{"baro.white_m", "baro.bias_", "baro.sea_level_pressure_pa", "baro.columns", "baro.scale", "baro.time_offset_s"},
          unless(baro, "no barometer is used")},
         {{"mag.declination_deg", "mag.heading_", "mag.axes", "mag.columns", "mag.scale", "mag.time_offset_s"},

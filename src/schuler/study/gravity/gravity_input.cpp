@@ -1,5 +1,6 @@
 #include "schuler/earth/enu.h"
 #include "schuler/fusion/run_filter.h"
+#include "schuler/fusion/start.h"
 #include "schuler/fusion/timeline.h"
 #include "schuler/fusion/tuning/tune.h"
 #include "schuler/gravimetry/survey_run.h"
@@ -188,9 +189,7 @@ GravityInput gravity_input(const solution::LoadedDataset& data, WarningLog& warn
     run.imu = fusion::make_imu_timeline(data.recording.imu, c.filter.imu, warnings);
     const fusion::InitialSettings& initial = c.filter.initial;
     const Time first = run.imu.increments.front().time - Duration::from_seconds(run.imu.increments.front().dt);
-    const bool given = initial.rpy.allFinite() && initial.velocity_n.allFinite() && std::isfinite(initial.position.lat) &&
-                       initial.std_rpy.allFinite() && initial.std_velocity.allFinite() && initial.std_position.allFinite() &&
-                       !(c.filter.start && *c.filter.start > first);
+    const bool given = fusion::gives_start(initial) && !(c.filter.start && *c.filter.start > first);
     SolutionRow start = given_start(initial, first);
     fusion::Settings settings = c.filter;
     if (!given || !c.gravity.inject.empty()) {
@@ -229,6 +228,8 @@ GravityInput gravity_input(const solution::LoadedDataset& data, WarningLog& warn
     out.start.std_velocity = start.std_velocity;
     const double level = start.std_rpy.head<2>().maxCoeff();
     out.start.std_rpy = {level, level, start.std_rpy.z()};
+    out.start.gyro_bias = initial.gyro_bias;
+    out.start.accel_bias = initial.accel_bias;
     out.start.std_gyro_bias.setConstant(out.filter.imu.errors.gyro_initial_bias());
     out.start.std_accel_bias.setConstant(out.filter.imu.errors.accel_initial_bias());
 
