@@ -24,17 +24,18 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using namespace testing;
 
-struct Log {
+struct CalibrationLog {
     std::vector<ImuSample> imu;
     std::vector<MagSample> mag;
 };
 
 /// A sensor that is turned about all axes, its magnetometer wrong by a matrix and a hard iron.
-Log turned(const Matrix3d& distortion, const Vector3d& iron, std::uint64_t seed, double duration = 120.0, double reach = 1.0) {
+CalibrationLog turned(const Matrix3d& distortion, const Vector3d& iron, std::uint64_t seed, double duration = 120.0,
+                      double reach = 1.0) {
     Motion m;
     m.gravity = 9.81;
     math::Random noise(seed, "turned");
-    Log l;
+    CalibrationLog l;
     const auto attitude = [&](double t) {
         return math::quaternion_from_rpy(
             {reach * 2.5 * std::sin(0.9 * t), reach * 1.2 * std::sin(0.55 * t + 0.4), reach * 2.8 * std::sin(0.31 * t + 1.0)});
@@ -51,9 +52,9 @@ Log turned(const Matrix3d& distortion, const Vector3d& iron, std::uint64_t seed,
 }
 
 /// At rest in some attitudes, a few seconds each; the accelerometer wrong by a matrix and a bias.
-Log rested(int attitudes, const Matrix3d& distortion, const Vector3d& bias) {
+CalibrationLog rested(int attitudes, const Matrix3d& distortion, const Vector3d& bias) {
     math::Random noise(3, "rested");
-    Log l;
+    CalibrationLog l;
     double t = 0.0;
     for (int a = 0; a < attitudes; ++a) {
         const Vector3d down = noise.normal3().normalized();
@@ -133,14 +134,14 @@ TEST(AhrsCalibration, WhatTheReadingsDoNotShowStaysAtThePrior) {
 
 TEST(AhrsJudge, AMagnetometerIsMendedWhereItNeedsItAndShowsIt) {
     const Vector3d iron(9e-6, -6e-6, 8e-6);
-    const Log bad = turned(some_distortion(0.03), iron, 1);
+    const CalibrationLog bad = turned(some_distortion(0.03), iron, 1);
     const JudgedCalibration judged = judge_magnetometer(bad.imu, bad.mag, 0.0);
     ASSERT_TRUE(judged.fit.has_value()) << judged.reason;
     EXPECT_LT((judged.fit->offset - iron).norm(), 0.5e-6);
 
-    const Log good = turned(Matrix3d::Identity(), Vector3d::Zero(), 2);
+    const CalibrationLog good = turned(Matrix3d::Identity(), Vector3d::Zero(), 2);
     EXPECT_FALSE(judge_magnetometer(good.imu, good.mag, 0.0).fit.has_value()) << "there is nothing to mend";
-    const Log little = turned(some_distortion(0.03), iron, 3, 120.0, 0.03);
+    const CalibrationLog little = turned(some_distortion(0.03), iron, 3, 120.0, 0.03);
     const JudgedCalibration refused = judge_magnetometer(little.imu, little.mag, 0.0);
     EXPECT_FALSE(refused.fit.has_value()) << "a few degrees of turning do not show it";
     EXPECT_NE(refused.reason.find("held-out"), std::string::npos) << refused.reason;
@@ -151,7 +152,7 @@ class AhrsJudgeOfStillReadings : public ::testing::TestWithParam<std::pair<doubl
 
 TEST_P(AhrsJudgeOfStillReadings, AreOfNoiseAlone) {
     const auto [gain, iron] = GetParam();
-    Log weak = turned(gain * some_distortion(0.03), iron * Vector3d(9e-6, -6e-6, 8e-6), 9);
+    CalibrationLog weak = turned(gain * some_distortion(0.03), iron * Vector3d(9e-6, -6e-6, 8e-6), 9);
     // a still minute at its end, in which noise is all that the calibration can make worse
     math::Random noise(9, "still");
     const Vector3d field = weak.mag.back().field_b, force = weak.imu.back().accel;
@@ -166,7 +167,7 @@ TEST_P(AhrsJudgeOfStillReadings, AreOfNoiseAlone) {
 INSTANTIATE_TEST_SUITE_P(WeakOrMagnetic, AhrsJudgeOfStillReadings, ::testing::Values(std::pair(0.8, 1.0), std::pair(1.0, 5.0)));
 
 TEST(AhrsJudge, AMagnetThatComesAndGoesIsNoCalibration) {
-    Log l = turned(Matrix3d::Identity(), Vector3d::Zero(), 4);
+    CalibrationLog l = turned(Matrix3d::Identity(), Vector3d::Zero(), 4);
     for (MagSample& s : l.mag) {
         if (std::fmod(s.time.seconds(), 40.0) > 20.0) s.field_b += Vector3d(4e-6, 8e-6, -5e-6);
     }
@@ -178,34 +179,34 @@ TEST(AhrsJudge, AMagnetThatComesAndGoesIsNoCalibration) {
 
 TEST(AhrsJudge, AnAccelerometerNeedsAttitudes) {
     const Vector3d bias(0.15, -0.1, 0.08);
-    const Log few = rested(3, some_distortion(0.004), bias);
+    const CalibrationLog few = rested(3, some_distortion(0.004), bias);
     const JudgedCalibration refused = judge_accelerometer(few.imu, 9.81);
     EXPECT_FALSE(refused.fit.has_value());
     EXPECT_NE(refused.reason.find("attitudes"), std::string::npos) << refused.reason;
-    const Log many = rested(20, some_distortion(0.004), bias);
+    const CalibrationLog many = rested(20, some_distortion(0.004), bias);
     const JudgedCalibration judged = judge_accelerometer(many.imu, 9.81);
     ASSERT_TRUE(judged.fit.has_value()) << judged.reason;
     EXPECT_LT((judged.fit->offset - bias).norm(), 0.02);
-    const Log right = rested(20, Matrix3d::Identity(), Vector3d::Zero());
+    const CalibrationLog right = rested(20, Matrix3d::Identity(), Vector3d::Zero());
     EXPECT_FALSE(judge_accelerometer(right.imu, 9.81).fit.has_value()) << "there is nothing to mend";
 }
 
 /// Readings of a magnetometer whose axes are such that C_bs of the readings is the field in b.
-Log mounted(const Log& l, const Matrix3d& C_bs) {
-    Log out = l;
+CalibrationLog mounted(const CalibrationLog& l, const Matrix3d& C_bs) {
+    CalibrationLog out = l;
     for (MagSample& s : out.mag) s.field_b = (C_bs.transpose() * s.field_b).eval();
     return out;
 }
 
 TEST(AhrsAxes, AllOrdersAndSignsAreRecognised) {
-    const Log l = turned(Matrix3d::Identity(), Vector3d(5e-6, -8e-6, 6e-6), 5, 60.0);
+    const CalibrationLog l = turned(Matrix3d::Identity(), Vector3d(5e-6, -8e-6, 6e-6), 5, 60.0);
     std::array<int, 3> order{0, 1, 2};
     int recognised = 0;
     do {
         for (int signs = 0; signs < 8; ++signs) {
             Matrix3d C = Matrix3d::Zero();
             for (int i = 0; i < 3; ++i) C(i, order[static_cast<std::size_t>(i)]) = (signs >> i & 1) != 0 ? -1.0 : 1.0;
-            const Log m = mounted(l, C);
+            const CalibrationLog m = mounted(l, C);
             const MagnetometerAxes found = recognise_axes(m.imu, m.mag, 40e-6);
             EXPECT_EQ(found.C_bs, C) << axes_text(C) << " taken for " << axes_text(found.C_bs);
             EXPECT_EQ(found.swapped, !C.isIdentity());
@@ -217,12 +218,12 @@ TEST(AhrsAxes, AllOrdersAndSignsAreRecognised) {
 
 TEST(AhrsAxes, NothingIsTurnedWithoutEvidence) {
     const Matrix3d C = (Matrix3d() << 0, 1, 0, 1, 0, 0, 0, 0, -1).finished();
-    const Log still = mounted(turned(Matrix3d::Identity(), Vector3d::Zero(), 6, 60.0, 1e-3), C);
+    const CalibrationLog still = mounted(turned(Matrix3d::Identity(), Vector3d::Zero(), 6, 60.0, 1e-3), C);
     EXPECT_FALSE(recognise_axes(still.imu, still.mag).swapped);
-    const Log right = turned(some_distortion(0.05), Vector3d(20e-6, 10e-6, -15e-6), 7, 60.0);
+    const CalibrationLog right = turned(some_distortion(0.05), Vector3d(20e-6, 10e-6, -15e-6), 7, 60.0);
     EXPECT_FALSE(recognise_axes(right.imu, right.mag).swapped) << "irons are not axes";
     // about the vertical only: x and y can be told, but not what z does
-    Log yaw = right;
+    CalibrationLog yaw = right;
     for (std::size_t i = 0; i < yaw.imu.size(); ++i) {
         const double t = yaw.imu[i].time.seconds();
         yaw.imu[i].gyro = Vector3d(0.0, 0.0, 0.5);
@@ -234,25 +235,25 @@ TEST(AhrsAxes, NothingIsTurnedWithoutEvidence) {
 }
 
 TEST(AhrsClock, ALateOrEarlyMagnetometerIsFoundAndNothingElse) {
-    const Log l = turned(some_distortion(0.03), Vector3d(15e-6, -8e-6, 6e-6), 5, 60.0);
+    const CalibrationLog l = turned(some_distortion(0.03), Vector3d(15e-6, -8e-6, 6e-6), 5, 60.0);
     const Matrix3d C = (Matrix3d() << 0, 1, 0, 1, 0, 0, 0, 0, -1).finished();
     for (const double delay : {-0.45, -0.1, 0.05, 0.2, 0.37}) {
-        Log late = l;
+        CalibrationLog late = l;
         for (MagSample& s : late.mag) s.time = s.time + Duration::from_seconds(delay);
         EXPECT_NEAR(find_delay(late.imu, late.mag).delay, delay, 0.01);
         // axes that are not known yet do not hide it
-        const Log turned_round = mounted(late, C);
+        const CalibrationLog turned_round = mounted(late, C);
         EXPECT_NEAR(find_delay(turned_round.imu, turned_round.mag).delay, delay, 0.01);
     }
     EXPECT_EQ(find_delay(l.imu, l.mag).delay, 0.0);
-    const Log slow = turned(Matrix3d::Identity(), Vector3d::Zero(), 6, 60.0, 1e-3);
+    const CalibrationLog slow = turned(Matrix3d::Identity(), Vector3d::Zero(), 6, 60.0, 1e-3);
     EXPECT_EQ(find_delay(slow.imu, slow.mag).delay, 0.0);
     EXPECT_EQ(find_delay({}, {}).delay, 0.0);
 }
 
 TEST(AhrsClock, ASteadySwingDoesNotTellOnePeriodFromTheNext) {
     for (const double period : {0.5, 0.6, 0.7, 0.8}) {
-        Log swing = turned(Matrix3d::Identity(), Vector3d::Zero(), 6, 60.0);
+        CalibrationLog swing = turned(Matrix3d::Identity(), Vector3d::Zero(), 6, 60.0);
         const double rate = 2.0 * std::numbers::pi / period;
         for (std::size_t i = 0; i < swing.imu.size(); ++i) {
             const double t = swing.imu[i].time.seconds(), seen = 0.4 * std::sin(rate * (t - 0.15));
@@ -267,15 +268,15 @@ TEST(AhrsClock, ASteadySwingDoesNotTellOnePeriodFromTheNext) {
 
 TEST(AhrsMagnet, OneThatStaysIsFoundAndOneThatComesAndGoesIsNot) {
     const Vector3d iron(60e-6, -30e-6, 40e-6);
-    const Log l = turned(some_distortion(0.03), iron, 5, 120.0);
+    const CalibrationLog l = turned(some_distortion(0.03), iron, 5, 120.0);
     const auto found = find_constant_magnet(l.imu, l.mag);
     ASSERT_TRUE(found.has_value());
     EXPECT_LT((found->field_b - iron).norm(), std::max(2e-6, 3.0 * found->std));
     EXPECT_LT(found->std, 4e-6);
-    const Log none = turned(some_distortion(0.03), Vector3d::Zero(), 5, 120.0);
+    const CalibrationLog none = turned(some_distortion(0.03), Vector3d::Zero(), 5, 120.0);
     EXPECT_FALSE(find_constant_magnet(none.imu, none.mag).has_value());
     for (const std::size_t sixths : {1, 2, 3, 4, 5}) {  // on the sensor at the end
-        Log late = none;
+        CalibrationLog late = none;
         for (std::size_t i = late.mag.size() - late.mag.size() * sixths / 6; i < late.mag.size(); ++i)
             late.mag[i].field_b += Vector3d(0.0, 30e-6, 0.0);
         EXPECT_FALSE(find_constant_magnet(late.imu, late.mag).has_value()) << sixths;
@@ -284,7 +285,7 @@ TEST(AhrsMagnet, OneThatStaysIsFoundAndOneThatComesAndGoesIsNot) {
 }
 
 TEST(AhrsAxes, SouthOfTheEquatorTheFieldPointsUp) {
-    Log l = turned(Matrix3d::Identity(), Vector3d::Zero(), 8, 60.0);
+    CalibrationLog l = turned(Matrix3d::Identity(), Vector3d::Zero(), 8, 60.0);
     for (MagSample& s : l.mag) s.field_b = -s.field_b;
     const MagnetometerAxes unknown = recognise_axes(l.imu, l.mag);
     EXPECT_FALSE(unknown.swapped) << "all three turned round turn with the gyro as well: left as they are";

@@ -18,8 +18,8 @@ using namespace schuler;
 using namespace schuler::earth;
 using units::deg;
 
-constexpr GravityModel all_models[] = {GravityModel::Somigliana, GravityModel::Grs80, GravityModel::KfGins, GravityModel::PaperA,
-                                       GravityModel::PaperC};
+constexpr GravityModel every_model[] = {GravityModel::Somigliana, GravityModel::Grs80, GravityModel::KfGins, GravityModel::PaperA,
+                                        GravityModel::PaperC};
 
 GravityVector at(GravityModel model, double lat, double h) { return gravity_vector(model, std::sin(lat), std::cos(lat), h); }
 
@@ -95,7 +95,7 @@ TEST(Gravity, KfGinsSeriesByHand) {
 }
 
 TEST(Gravity, GradientIsTheDerivativeOfEveryModel) {
-    for (const GravityModel model : all_models)
+    for (const GravityModel model : every_model)
         for (const double lat : {-1.4, -0.3, 0.0, 0.2, 0.8, 1.5})
             for (const double h : {-500.0, 0.0, 3000.0, 20000.0}) {
                 const GravityGradient g = gravity_gradient(model, lat, h);
@@ -120,7 +120,7 @@ TEST(Gravity, SomiglianaFieldHasNoCurlInTheMeridian) {
 }
 
 TEST(Gravity, NamesGoThereAndBackAndUnknownOnesAreExplained) {
-    for (const GravityModel model : all_models) EXPECT_EQ(gravity_model_from_name(name_of(model)), model);
+    for (const GravityModel model : every_model) EXPECT_EQ(gravity_model_from_name(name_of(model)), model);
     try {
         (void)gravity_model_from_name("egm96");
         FAIL() << "accepted";

@@ -12,7 +12,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-struct System {
+struct CorrelatedSystem {
     std::mt19937_64 generator{11};
     std::normal_distribution<double> normal;
     int n = 20, m = 5;
@@ -48,7 +48,7 @@ struct System {
 
 /// Some steps, corrections, steps and corrections, by both; `drives`, `noises`: the source has such effects.
 void expect_dense_result(bool drives, bool noises, int shears) {
-    System s;
+    CorrelatedSystem s;
     const MatrixXd root = s.random(9, 9, 1.0);
     const JointCovariance::Matrix9 start = root * root.transpose();
     const VectorXd variance = s.random(s.m, 1, 1.0).cwiseAbs2();

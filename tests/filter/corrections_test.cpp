@@ -15,7 +15,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double dt = 1e-5;  // s: the latency wanders by 11 us meanwhile, the position of a fix by 1 mm
+constexpr double interval = 1e-5;  // s: the latency wanders by 11 us meanwhile, the position of a fix by 1 mm
 
 /// In level flight to the north at 100 m/s, started from a late fix; every block of states that may stand before the latency or behind it.
 template <class Frame>
@@ -57,7 +57,7 @@ struct Flight {
         return f.innovation_covariance(f.to_own(model, gnss_position(f.estimate(model), start.nav.position,
                                                                      Vector3d::Constant(1e-4), settings.gnss.lever_arm_b, {})));
     }
-    /// A correction alone, and a step so short that nothing else happens.
+    /// A correction alone, and an interval so short that nothing else happens.
     void correct() {
         InertialFilter<Frame>& f = run.filter;
         estim::StateVector dx = estim::StateVector::Zero(f.P.rows());
@@ -67,7 +67,9 @@ struct Flight {
     }
     void step() {
         InertialFilter<Frame>& f = run.filter;
-        f.propagate(model, {f.time() + Duration::from_seconds(dt), dt, Vector3d::Zero(), Vector3d(0.0, 0.0, -9.81 * dt)}, {});
+        f.propagate(
+            model,
+            {f.time() + Duration::from_seconds(interval), interval, Vector3d::Zero(), Vector3d(0.0, 0.0, -9.81 * interval)}, {});
         estim::Transition phi;
         ASSERT_TRUE(f.propagate_covariance(model, phi));
     }
@@ -85,7 +87,7 @@ void check(bool gains, bool lever_arm, bool wheels, bool gravity, Loop loop) {
     for (int i = 0; i < 3; ++i) EXPECT_NEAR(std::sqrt(after(i, i)), std::sqrt(before(i, i)), 1e-4) << i;
     const NavState then = flight.run.filter.geographic(flight.model);
     const Vector3d moved = earth::ned_difference(flight.model.earth, then.position, corrected.position);
-    EXPECT_LT((moved - dt * corrected.v_eb_n).norm(), 1e-4);  // half a metre per second times 0.05 s is 25 mm
+    EXPECT_LT((moved - interval * corrected.v_eb_n).norm(), 1e-4);  // half a metre per second times 0.05 s is 25 mm
 }
 
 TEST(Corrections, OfLateFixesAreNoMotionWhateverTheOtherStates) {

@@ -1,4 +1,5 @@
 // Where and how anybody may fly: poles, date line, below the sea and above the air, 8 km/s, upside down; absurd noise; a month of samples.
+#include "schuler/core/units.h"
 #include "schuler/earth/earth.h"
 #include "schuler/filter/navigator.h"
 #include "schuler/math/random.h"
@@ -20,20 +21,20 @@ namespace {
 
 using Eigen::Vector3d;
 
-struct Flight {
+struct ExtremeFlight {
     const char* name;
     Geodetic start;
     double speed, heading;           ///< m/s, rad; speed 0: at rest, with this attitude
     double roll = 0.0, pitch = 0.0;  ///< rad
 };
 
-constexpr double deg = units::deg;
+using units::deg;
 
 constexpr double duration = 120.0;  // s
 const Time origin = Time::from_seconds(1000.0);
 
 /// At rest, poles included: what the instruments feel follows from the Earth's rotation and gravity alone.
-sim::SimulatedData at_rest(const Flight& flight) {
+sim::SimulatedData at_rest(const ExtremeFlight& flight) {
     sim::SimulatedData data;
     data.imu_kind = ImuKind::Rates;
     const Vector3d rpy(flight.roll, flight.pitch, flight.heading);
@@ -63,7 +64,7 @@ sim::SimulatedData at_rest(const Flight& flight) {
     return data;
 }
 
-sim::SimulatedData simulated(const Flight& flight) {
+sim::SimulatedData simulated(const ExtremeFlight& flight) {
     if (flight.speed == 0.0) return at_rest(flight);
     sim::Scenario scenario;
     scenario.seed = 11;
@@ -120,7 +121,7 @@ NavigatorState flown(const sim::SimulatedData& data, const NavigatorSettings& se
 
 TEST(Extremes, ConsistentWhereverItFlies) {
     constexpr double pi = std::numbers::pi;
-    const std::vector<Flight> flights{
+    const std::vector<ExtremeFlight> flights{
         {"100 m from the pole", {89.999 * deg, 10.0 * deg, 2800.0}, 0.0, 1.0},
         {"near the pole", {88.9 * deg, 20.0 * deg, 10e3}, 250.0, 1.6},
         {"south pole", {-89.95 * deg, 170.0 * deg, 3000.0}, 0.0, 2.0},
@@ -133,7 +134,7 @@ TEST(Extremes, ConsistentWhereverItFlies) {
         {"upside down", {-20.0 * deg, 130.0 * deg, 50.0}, 0.0, 5.0, pi, 0.1},
     };
     const Vector3d error(0.003, -0.004, 0.008);
-    for (const Flight& flight : flights) {
+    for (const ExtremeFlight& flight : flights) {
         const sim::SimulatedData data = simulated(flight);
         const ReferenceSample& truth = data.recording.reference.back();
         for (const Mechanization mechanization : {Mechanization::Geographic, Mechanization::Ecef}) {

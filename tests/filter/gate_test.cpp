@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double sigma = 1.0;  // m, of the measurements here
+constexpr double white = 1.0;  // m, of the measurements here
 
 GateLimits limits() {
     GateLimits l;
@@ -20,8 +20,8 @@ GateLimits limits() {
 }
 
 GateDecision meet(GateState& state, double t, const Vector3d& innovation, double drift_sigma = 0.1) {
-    return decide(state, limits(), Time::from_seconds(t), 3, innovation.squaredNorm() / (sigma * sigma), innovation,
-                  Vector3d::Constant(sigma), drift_sigma);
+    return decide(state, limits(), Time::from_seconds(t), 3, innovation.squaredNorm() / (white * white), innovation,
+                  Vector3d::Constant(white), drift_sigma);
 }
 
 /// Time of the first decision that is not a rejection; negative where there is none.
@@ -61,7 +61,7 @@ TEST(Gate, ConsistentRunWinsAfterTheTimeAndTheCount) {
     std::mt19937_64 generator(5);
     std::normal_distribution<double> noise;
     const auto shifted = [&](double) {
-        return Vector3d(50.0 + sigma * noise(generator), sigma * noise(generator), sigma * noise(generator));
+        return Vector3d(50.0 + white * noise(generator), white * noise(generator), white * noise(generator));
     };
     EXPECT_DOUBLE_EQ(first_recovery(100.0, 1.0, 100, shifted), 110.0);  // the time decides
     EXPECT_DOUBLE_EQ(first_recovery(100.0, 0.125, 800, shifted), 110.0);

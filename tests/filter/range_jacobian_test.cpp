@@ -18,10 +18,10 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 using schuler::test::LinearModel;
 
-constexpr double deg = units::deg;
+using units::deg;
 const earth::Earth wgs84{};
 
-struct Point {
+struct RangePoint {
     NavState nav;
     Vector3d w_ib_b, lever_b;
     Ecef transmitter;
@@ -30,7 +30,7 @@ struct Point {
 };
 
 /// range and rate for an error dx of position, velocity, attitude, gyro bias and lever arm.
-VectorXd computed(const Point& p, const VectorXd& dx) {
+VectorXd computed(const RangePoint& p, const VectorXd& dx) {
     const NavState nav = ins::perturbed(wgs84, p.nav, dx.head<9>());
     // a gyro bias estimated too large makes the rate too small
     const Vector3d w = p.w_ib_b - dx.segment<3>(9);
@@ -39,7 +39,7 @@ VectorXd computed(const Point& p, const VectorXd& dx) {
     return Eigen::Vector2d(m.range, m.rate);
 }
 
-MatrixXd analytic(const Point& p) {
+MatrixXd analytic(const RangePoint& p) {
     const RangeRows m =
         range_rows(antenna_of(wgs84, p.nav, p.nav.q_nb.toRotationMatrix(), p.w_ib_b, p.lever_b), p.transmitter, p.velocity);
     MatrixXd J = MatrixXd::Zero(2, 15);
@@ -54,13 +54,13 @@ MatrixXd analytic(const Point& p) {
     return J;
 }
 
-std::vector<Point> points() {
+std::vector<RangePoint> points() {
     std::mt19937_64 generator(7);
     std::uniform_real_distribution<double> unit(-1.0, 1.0);
     const auto vector = [&](double size) { return Vector3d(size * test::draw3(unit, generator)); };
-    std::vector<Point> out;
+    std::vector<RangePoint> out;
     for (int k = 0; k < 8; ++k) {
-        Point p;
+        RangePoint p;
         p.nav.position = {75.0 * deg * unit(generator), 3.0 * unit(generator), 5000.0 + 5000.0 * unit(generator)};
         p.nav.v_eb_n = vector(200.0);
         p.nav.q_nb = math::quaternion_from_rotation_vector(vector(1.5));
@@ -80,7 +80,7 @@ std::vector<Point> points() {
 
 SCHULER_JACOBIAN(range_rows, "filter.range_rows") {
     std::vector<LinearModel> models;
-    for (const Point& p : points()) {
+    for (const RangePoint& p : points()) {
         LinearModel m;
         m.where = p.name;
         m.analytic = analytic(p);

@@ -227,12 +227,12 @@ TEST(Integrity, APositionWaitsForTheVelocityThatWasExcludedWithIt) {
 }
 
 /// An aircraft in a figure of eight with good sensors; started from the truth.
-struct Flight {
+struct CoupledFlight {
     sim::Scenario scenario;
     Settings settings;
     double known_heading = 0.0;  // rad, if above 0: the sigma at the start
 
-    explicit Flight(std::uint64_t seed) {
+    explicit CoupledFlight(std::uint64_t seed) {
         scenario.seed = seed;
         scenario.duration = 400.0;
         scenario.origin = Time::from_seconds(1000.0);
@@ -289,7 +289,7 @@ TEST(SeparateScheme, IsHonestAndWorseThanTheFilter) {
     double continuous = 0.0, restart = 0.0, loose = 0.0, nees = 0.0, nees_restart = 0.0;
     const int seeds = 8;
     for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
-        Flight flight(seed);
+        CoupledFlight flight(seed);
         Recording recording;
         loose += horizontal(flight.run(recording), recording, 60.0).rms / seeds;
         flight.settings.coupling = Coupling::Separate;
@@ -311,7 +311,7 @@ TEST(SeparateScheme, IsHonestAndWorseThanTheFilter) {
 }
 
 TEST(LooseKind, AggressiveUsesTheSameInformationInParts) {
-    Flight flight(3);
+    CoupledFlight flight(3);
     Recording recording;
     const Horizontal standard = horizontal(flight.run(recording), recording, 60.0);
     flight.settings.loose_kind = LooseKind::Aggressive;
@@ -323,7 +323,7 @@ TEST(LooseKind, AggressiveUsesTheSameInformationInParts) {
 
 // Without process noise what a fix says of its own time is the same whenever it is used: after the last part both filters know as much.
 TEST(LooseKind, PartsOfASparseFixSpeakOfItsTime) {
-    Flight flight(4);
+    CoupledFlight flight(4);
     flight.scenario.gnss.rate = 0.1;
     sensor::ImuErrorModel& errors = flight.settings.imu.errors;
     errors.gyro_noise = errors.accel_noise = 1e-9;
@@ -354,7 +354,7 @@ TEST(LooseKind, PartsOfASparseFixSpeakOfItsTime) {
 
 // A position that ramps away by 1 m/s: the filter alone follows it, the monitor excludes the receiver and takes it back afterwards.
 TEST(Integrity, SlowRampIsFoundExcludedAndTheReceiverReadmitted) {
-    Flight flight(5);
+    CoupledFlight flight(5);
     flight.settings.gnss.use_velocity = false;  // a velocity without the fault would tell at once
     Recording recording;
     flight.settings.integrity.use = true;
@@ -376,7 +376,7 @@ TEST(Integrity, SlowRampIsFoundExcludedAndTheReceiverReadmitted) {
 }
 
 TEST(Integrity, StepsAreRefusedAtOnceAndSmootherIsRefusedToo) {
-    Flight flight(6);
+    CoupledFlight flight(6);
     flight.settings.integrity.use = true;
     flight.scenario.faults = {{sim::Channel::Gnss, sim::FaultKind::Step, 200.0, 60.0, 100.0, Vector3d::UnitY()}};
     Recording recording;

@@ -20,7 +20,7 @@ using Eigen::Vector3d;
 using namespace testing;
 
 /// A drive with a given start, which saves the search for the heading.
-Drive drive(std::uint64_t seed, double gnss_rate = 1.0, bool shaking = true) {
+Drive recorded_drive(std::uint64_t seed, double gnss_rate = 1.0, bool shaking = true) {
     Drive d;
     d.scenario = town_drive(seed, gnss_rate);
     if (shaking) shake(d.scenario);
@@ -66,7 +66,7 @@ bool same_bits(const std::vector<SolutionRow>& a, const std::vector<SolutionRow>
 }
 
 TEST(Run, FramesAgree) {
-    Drive d = drive(1);
+    Drive d = recorded_drive(1);
     d.settings.smooth = true;
     d.settings.scale_factors = true;
     d.settings.aids.nonholonomic = true;
@@ -92,7 +92,7 @@ TEST(Run, FramesAgree) {
 }
 
 TEST(Run, RepeatsBitByBit) {
-    Drive d = drive(2);
+    Drive d = recorded_drive(2);
     d.settings.smooth = true;
     const Result first = fuse(d.recording, d.settings), second = fuse(d.recording, d.settings);
     EXPECT_TRUE(same_bits(first.forward.rows, second.forward.rows));
@@ -101,7 +101,7 @@ TEST(Run, RepeatsBitByBit) {
 }
 
 TEST(Run, TwoThreadsGiveTheSame) {
-    Drive d = drive(3);
+    Drive d = recorded_drive(3);
     d.settings.smooth = true;
     const Result alone = fuse(d.recording, d.settings);
     std::array<Result, 2> results;
@@ -116,7 +116,7 @@ TEST(Run, TwoThreadsGiveTheSame) {
 }
 
 TEST(Run, ShortImuGapsCostLittle) {
-    const Drive whole = drive(4, 5.0);
+    const Drive whole = recorded_drive(4, 5.0);
     const Result reference = fuse(whole.recording, whole.settings);
     for (const double at : {40.0, 75.0, 110.0, 150.0}) {
         Drive d = whole;
@@ -140,7 +140,7 @@ TEST(Run, ShortImuGapsCostLittle) {
 }
 
 TEST(Run, OutliersAreRejected) {
-    Drive d = drive(5);
+    Drive d = recorded_drive(5);
     const Result clean = fuse(d.recording, d.settings);
     const std::array<std::size_t, 5> outliers{30, 62, 95, 131, 170};
     double angle = 0.3;
@@ -168,7 +168,7 @@ TEST(Run, OutliersAreRejected) {
 // Five seconds of fixes 60 m beside the road, right when the filter is least certain: with true velocities and with false ones.
 TEST(Run, ClusterAfterAnOutageDoesNotCaptureTheFilter) {
     for (const bool false_velocity : {false, true}) {
-        Drive d = drive(6, 1.0, false);  // without zero-velocity updates
+        Drive d = recorded_drive(6, 1.0, false);  // without zero-velocity updates
         d.settings.outages = {{70.0, 60.0}};
         const Result clean = fuse(d.recording, d.settings);
         const auto clean_errors = errors(d.settings, clean.forward.rows, d.recording);
@@ -191,7 +191,7 @@ TEST(Run, ClusterAfterAnOutageDoesNotCaptureTheFilter) {
 
 // Heights with an age of their own are measurements of their own: good ones must not keep the filter from a position that is right.
 TEST(Run, AGoodHeightDoesNotExcuseABadPosition) {
-    Drive d = drive(12);
+    Drive d = recorded_drive(12);
     d.settings.gnss.height_latency = 0.02;
     for (GnssFix& fix : d.recording.gnss) {
         if ((fix.time - d.scenario.origin).seconds() > 100.0)
@@ -205,7 +205,7 @@ TEST(Run, AGoodHeightDoesNotExcuseABadPosition) {
 }
 
 TEST(Run, OutageTableIsAtTheAntenna) {
-    Drive d = drive(8);
+    Drive d = recorded_drive(8);
     d.settings.outages = {{60.0, 30.0}};
     d.settings.smooth = true;
     const Result r = fuse(d.recording, d.settings);
@@ -233,7 +233,7 @@ TEST(Run, OutageTableIsAtTheAntenna) {
 }
 
 TEST(Run, RefusesDataWithoutOverlap) {
-    Drive d = drive(9);
+    Drive d = recorded_drive(9);
     for (GnssFix& fix : d.recording.gnss) fix.time = fix.time + Duration::from_seconds(1e5);
     // A complete initial state is a start of its own: inertial navigation alone, and a warning.
     WarningLog warnings;

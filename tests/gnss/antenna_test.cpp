@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double deg = units::deg;
+using units::deg;
 
 Antenna antenna_with(Vector3d offset, std::vector<std::vector<double>> rows) {
     Antenna a;

@@ -1,5 +1,6 @@
 // Delays of ionosphere and troposphere at worked examples and against their own limits.
 #include "schuler/gnss/atmosphere.h"
+#include "schuler/core/units.h"
 #include "schuler/earth/ellipsoid.h"
 #include "schuler/gnss/ranges.h"
 
@@ -10,7 +11,7 @@
 namespace schuler::gnss {
 namespace {
 
-constexpr double deg = 0.017453292519943295;
+using units::deg;
 
 TEST(Atmosphere, KlobucharAtNightAtNoonAndOverTheDay) {
     const KlobucharCoefficients c{{1.1180e-8, 1.4900e-8, -5.9600e-8, -5.9600e-8}, {8.8060e4, 1.6380e4, -1.9660e5, -1.3110e5}};

@@ -12,7 +12,7 @@
 namespace schuler::gnss {
 namespace {
 
-constexpr double deg = units::deg;
+using units::deg;
 const Time start = Time::from_gps(2300, 3 * 86'400.0);
 
 /// Slot B2 by hand: circular motion since the week began, seen from the turned Earth.

@@ -13,8 +13,8 @@
 namespace schuler::gnss {
 namespace {
 
-constexpr double deg = units::deg;
-const Time start = Time::from_gps(2300, 3 * 86'400.0);
+using units::deg;
+const Time beginning = Time::from_gps(2300, 3 * 86'400.0);
 
 /// Distance from a satellite, seen from the Earth as it turns during the light time, in closed form, m.
 double distance(const Eigen::Vector3d& satellite, const Eigen::Vector3d& receiver, double flight) {
@@ -26,12 +26,12 @@ double distance(const Eigen::Vector3d& satellite, const Eigen::Vector3d& receive
 
 /// A minute of a receiver that moves at 30 m/s and turns, at 1 Hz. Every fifth change of the first satellite is a slip of a cycle.
 RangingLog log_with(double sigma, bool slips) {
-    const BroadcastSource source(nominal_gps(start, start + Duration::from_seconds(600.0)));
+    const BroadcastSource source(nominal_gps(beginning, beginning + Duration::from_seconds(600.0)));
     math::Random random(7, "phases");
     RangingLog log;
     std::map<int, double> before;
     for (int t = 0; t < 60; ++t) {
-        const Time now = start + Duration::from_seconds(t);
+        const Time now = beginning + Duration::from_seconds(t);
         Ecef receiver = earth::ecef_from_geodetic(earth::wgs84, {52.3 * deg, 104.3 * deg, 300.0});
         receiver.r += 300.0 * Eigen::Vector3d(std::cos(0.1 * t), std::sin(0.1 * t), 0.2 * std::sin(0.3 * t));
         const double clock = 40.0 + 3.0 * t + 0.5 * random.normal();

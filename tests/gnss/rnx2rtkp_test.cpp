@@ -1,4 +1,5 @@
 // Real receivers: single-point fixes against those of RTKLIB's rnx2rtkp with the same options.
+#include "schuler/core/units.h"
 #include "schuler/earth/earth.h"
 #include "schuler/gnss/single_point.h"
 #include "schuler/io/receiver/rtcm3.h"
@@ -17,7 +18,7 @@
 namespace schuler::gnss {
 namespace {
 
-constexpr double deg = 0.017453292519943295;
+using units::deg;
 
 /// Where and when.
 struct Fix {

@@ -1,5 +1,6 @@
 // Single-point position and velocity on the signal generator's noise-free data, with faults put in.
 #include "schuler/gnss/single_point.h"
+#include "schuler/core/units.h"
 #include "schuler/gnss/phase_velocity.h"
 
 #include "schuler/earth/ellipsoid.h"
@@ -19,7 +20,7 @@
 namespace schuler::gnss {
 namespace {
 
-constexpr double deg = 0.017453292519943295;
+using units::deg;
 
 /// Files of one folder of the data sets.
 struct Files {

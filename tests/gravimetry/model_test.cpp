@@ -88,7 +88,7 @@ struct Point {
 std::vector<Point> points() {
     std::mt19937_64 generator(7);
     std::uniform_real_distribution<double> unit(-1.0, 1.0);
-    const auto vector = [&](double size) { return Vector3d(size * test::draw3(unit, generator)); };
+    const auto vector = [&](double size) { return Vector3d(size * schuler::test::draw3(unit, generator)); };
     std::vector<Point> out;
     for (const DisturbanceKind kind : kinds) {
         for (int k = 0; k < 2; ++k) {

@@ -1,6 +1,7 @@
 // Logs whose columns are not what they seem: values that are never written, stamps and sentinels of poor loggers.
 #include "inspect/report_queries.h"
 #include "inspect/synthetic_car.h"
+#include "schuler/core/units.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -13,7 +14,7 @@
 namespace schuler::inspect::test {
 namespace {
 
-constexpr double deg = 0.017453292519943295;
+using units::deg;
 
 /// Rewrites the rows of a log below its header.
 void change_rows(const std::filesystem::path& path, const std::function<std::string(int, const std::string&)>& change) {

@@ -6,7 +6,7 @@
 namespace schuler::inspect::detail {
 namespace {
 
-constexpr double gravity = 9.81;
+constexpr double at_rest = 9.81;
 
 struct Logs {
     ImuSeries imu;
@@ -27,7 +27,7 @@ Logs logs(bool stops) {
         const double shake = stops && !resting ? 0.9 * ((out.imu.size() % 2) == 0 ? 1.0 : -1.0) : 0.0;
         out.imu.t.push_back(t);
         out.imu.w.emplace_back(0.0005, -0.0003, rate + 0.1 * shake);
-        out.imu.f.emplace_back((starting ? brakes : braking ? -brakes : 0.0) + shake, speed * rate, -gravity + shake);
+        out.imu.f.emplace_back((starting ? brakes : braking ? -brakes : 0.0) + shake, speed * rate, -at_rest + shake);
     }
     for (double t = 0.0; t < 150.0; t += 1.0) {
         if (t > 60.0 && t < 90.0) continue;
@@ -50,7 +50,7 @@ TEST(StillPeriods, AStopWithoutTheReceiverIsRest) {
     ASSERT_EQ(still.intervals.size(), 1U);
     EXPECT_NEAR(still.intervals[0].start, 70.0, 1.1);
     EXPECT_NEAR(still.intervals[0].stop, 80.0, 1.1);
-    EXPECT_NEAR(still.f_norm, gravity, 1e-6);
+    EXPECT_NEAR(still.f_norm, at_rest, 1e-6);
 }
 
 }  // namespace

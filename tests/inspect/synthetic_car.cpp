@@ -1,4 +1,5 @@
 #include "inspect/synthetic_car.h"
+#include "schuler/core/units.h"
 #include "support/draws.h"
 
 #include <Eigen/Geometry>
@@ -17,8 +18,8 @@
 namespace schuler::inspect::test {
 namespace {
 
-constexpr double gravity = 9.806;  // at 45 deg of latitude, near enough
-constexpr double deg = 0.017453292519943295;
+constexpr double gravity_there = 9.806;  // at 45 deg of latitude, near enough
+using units::deg;
 
 double gate(double t) {  // 0 to 20 s still, then away within 5 s
     const double x = std::clamp((t - 20.0) / 5.0, 0.0, 1.0);
@@ -78,7 +79,8 @@ void write_car(const std::filesystem::path& folder, const CarLog& car) {
     for (int i = 0; i * dt < car.duration; ++i) {
         const double t = i * dt;
         const double mid = car.increments ? t - 0.5 * dt : t, scale = car.increments ? dt : 1.0;
-        const Eigen::Vector3d f_b = C_nb(mid).transpose() * (acceleration(mid) + bob_accel(mid) - Eigen::Vector3d(0, 0, gravity));
+        const Eigen::Vector3d f_b =
+            C_nb(mid).transpose() * (acceleration(mid) + bob_accel(mid) - Eigen::Vector3d(0, 0, gravity_there));
         const Eigen::Vector3d w = scale * car.gyro_factor * (car.C_sb * rate_b(mid) + car.gyro_bias + noise(0.002));
         const Eigen::Vector3d f = scale * car.accel_factor * (car.C_sb * f_b + car.accel_bias + noise(0.03));
         std::snprintf(line, sizeof line, "%.6f%s%.9g%s%.9g%s%.9g%s%.9g%s%.9g%s%.9g\n", (car.imu_start + t) * car.time_factor, s,

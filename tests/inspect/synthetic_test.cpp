@@ -3,6 +3,7 @@
 #include "inspect/synthetic_car.h"
 
 #include "schuler/core/error.h"
+#include "schuler/core/units.h"
 #include "schuler/sensor/axes.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +20,7 @@
 namespace schuler::inspect::test {
 namespace {
 
-constexpr double deg = 0.017453292519943295;
+using units::deg;
 
 Eigen::Matrix3d C_sb_of(const std::string& axes) { return sensor::C_bs_from_axes(axes).transpose(); }
 

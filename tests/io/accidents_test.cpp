@@ -14,12 +14,12 @@
 namespace schuler::io {
 namespace {
 
-constexpr const char* imu_header = "time_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2\n";
+constexpr const char* columns_of_imu = "time_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2\n";
 
 /// A second at 100 Hz from `t0` on; `row(i)` may write a row of its own.
 template <class Row>
 std::string imu_log(double t0, Row row) {
-    std::string text = imu_header;
+    std::string text = columns_of_imu;
     for (int i = 0; i < 200; ++i) {
         const std::string own = row(i);
         text += own.empty() ? fmt::format("{:.2f},0.01,0.02,0.0{},0.1,0.2,-9.8\n", t0 + 0.01 * i, i % 9 + 1) : own;

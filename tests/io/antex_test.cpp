@@ -25,7 +25,7 @@ std::string carrier(const std::string& code, const std::string& offset, const st
            line("   " + code, "END OF FREQUENCY");
 }
 
-const std::string header =
+const std::string antex_header =
     line("     1.4            M", "ANTEX VERSION / SYST") + line("A", "PCV TYPE / REFANT") + line("", "END OF HEADER");
 
 std::string receiver(const std::string& rows_of_l1) {
@@ -51,7 +51,8 @@ const std::string satellite =
 
 TEST(Antex, OffsetsAndVariationsOfEachCarrier) {
     WarningLog log;
-    const AntexFile file = read_antex(TextInput::memory(header + receiver(row("NOAZI", {0, -3.5, 7})) + satellite, "a.atx"), log);
+    const AntexFile file =
+        read_antex(TextInput::memory(antex_header + receiver(row("NOAZI", {0, -3.5, 7})) + satellite, "a.atx"), log);
     EXPECT_EQ(file.records.read, 2U);
     EXPECT_TRUE(log.summary().empty());
     const gnss::Antenna* a = file.antennas.of_receiver("MADE UP         NONE");
@@ -75,7 +76,7 @@ TEST(Antex, DamagedAntennasAreLeftOut) {
     WarningLog log;
     // a row that is cut, and an antenna without an end
     const std::string text =
-        header + receiver(row("NOAZI", {0, 1})) + satellite + receiver(row("NOAZI", {0, 1, 2})).substr(0, 400);
+        antex_header + receiver(row("NOAZI", {0, 1})) + satellite + receiver(row("NOAZI", {0, 1, 2})).substr(0, 400);
     const AntexFile file = read_antex(TextInput::memory(text, "a.atx"), log);
     EXPECT_EQ(file.records.read, 1U);
     EXPECT_EQ(file.records.bad, 2U);
@@ -88,7 +89,7 @@ TEST(Antex, OtherFilesAreRefused) {
     WarningLog log;
     test::expect_parts(test::message_of([&] { (void)read_antex(TextInput::memory("time_s\n", "a.atx"), log); }),
                        {"a.atx:1", "not an ANTEX"});
-    test::expect_parts(test::message_of([&] { (void)read_antex(TextInput::memory(header, "a.atx"), log); }),
+    test::expect_parts(test::message_of([&] { (void)read_antex(TextInput::memory(antex_header, "a.atx"), log); }),
                        {"no usable antenna"});
 }
 

@@ -27,7 +27,7 @@ protected:
     }
 };
 
-double at(const Stream& s, std::string_view column, std::size_t row) {
+double value_at(const Stream& s, std::string_view column, std::size_t row) {
     const Stream::Column* c = s.find(column);
     return c == nullptr ? std::nan("") : c->values.at(row);
 }
@@ -76,17 +76,17 @@ TEST_F(AutopilotLogs, UlogGivesEveryInstrumentWithItsUnits) {
     ASSERT_NE(imu, nullptr);
     ASSERT_EQ(imu->rows(), 100U);
     EXPECT_EQ(imu->time_ns[1] - imu->time_ns[0], 4'000'000);
-    EXPECT_EQ(at(*imu, "gyro_x_rad_s", 7), static_cast<double>(gyro_of(7)));
-    EXPECT_EQ(at(*imu, "accel_z_m_s2", 7), static_cast<double>(-9.81F));
+    EXPECT_EQ(value_at(*imu, "gyro_x_rad_s", 7), static_cast<double>(gyro_of(7)));
+    EXPECT_EQ(value_at(*imu, "accel_z_m_s2", 7), static_cast<double>(-9.81F));
     const Stream *first = log.find("gnss"), *second = log.find("gnss1");
     ASSERT_TRUE(first != nullptr && second != nullptr) << "two receivers";
-    EXPECT_NEAR(at(*first, "lat_deg", 0), 47.397742, 1e-12);
-    EXPECT_EQ(at(*first, "height_ellipsoidal_m", 0), 536.0);
-    EXPECT_EQ(at(*first, "vel_e_m_s", 0), -2.0);
-    EXPECT_EQ(at(*first, "std_vel_m_s", 0), static_cast<double>(0.3F));
+    EXPECT_NEAR(value_at(*first, "lat_deg", 0), 47.397742, 1e-12);
+    EXPECT_EQ(value_at(*first, "height_ellipsoidal_m", 0), 536.0);
+    EXPECT_EQ(value_at(*first, "vel_e_m_s", 0), -2.0);
+    EXPECT_EQ(value_at(*first, "std_vel_m_s", 0), static_cast<double>(0.3F));
     EXPECT_EQ(first->fix.at(0), FixType::RtkFixed);
     EXPECT_EQ(second->fix.at(0), FixType::Autonomous);
-    EXPECT_EQ(at(*log.find("baro"), "pressure_pa", 0), 95'500.0);
+    EXPECT_EQ(value_at(*log.find("baro"), "pressure_pa", 0), 95'500.0);
     ASSERT_NE(log.find("reference"), nullptr);
     EXPECT_EQ(log.find("reference")->source, "vehicle_attitude, vehicle_local_position, vehicle_global_position");
     EXPECT_EQ(log.streams.size(), 5U) << "a setpoint is nothing measured";
@@ -130,7 +130,7 @@ TEST_F(AutopilotLogs, SingleSensorsAreOneImuAtTheGyroscopesTimes) {
     const StreamLog read_log = read("raw.ulg", log.bytes(), warnings);
     const Stream* imu = read_log.find("imu_raw");
     ASSERT_NE(imu, nullptr);
-    EXPECT_NEAR(at(*imu, "accel_x_m_s2", 10), 9.5, 1e-9) << "half way between the two samples around it";
+    EXPECT_NEAR(value_at(*imu, "accel_x_m_s2", 10), 9.5, 1e-9) << "half way between the two samples around it";
 }
 
 std::string sample_dataflash() {
@@ -163,15 +163,15 @@ TEST_F(AutopilotLogs, DataflashGivesEveryInstrumentWithItsUnits) {
     ASSERT_TRUE(log.find("imu") != nullptr && log.find("imu1") != nullptr);
     EXPECT_EQ(log.find("imu1")->rows(), 100U);
     const Stream& gnss = *log.find("gnss");
-    EXPECT_NEAR(at(gnss, "lat_deg", 0), -35.363261, 1e-12);
-    EXPECT_NEAR(at(gnss, "height_msl_m", 0), 584.12, 1e-9);
-    EXPECT_NEAR(at(gnss, "vel_e_m_s", 0), 10.0, 1e-6) << "speed and course";
-    EXPECT_NEAR(at(gnss, "vel_n_m_s", 0), 0.0, 1e-6);
-    EXPECT_NEAR(at(gnss, "std_h_m", 3), 0.8, 1e-9) << "of GPA";
+    EXPECT_NEAR(value_at(gnss, "lat_deg", 0), -35.363261, 1e-12);
+    EXPECT_NEAR(value_at(gnss, "height_msl_m", 0), 584.12, 1e-9);
+    EXPECT_NEAR(value_at(gnss, "vel_e_m_s", 0), 10.0, 1e-6) << "speed and course";
+    EXPECT_NEAR(value_at(gnss, "vel_n_m_s", 0), 0.0, 1e-6);
+    EXPECT_NEAR(value_at(gnss, "std_h_m", 3), 0.8, 1e-9) << "of GPA";
     EXPECT_EQ(gnss.fix.at(0), FixType::RtkFixed);
-    EXPECT_NEAR(at(*log.find("mag"), "mag_x_ut", 0), 25.0, 1e-9) << "milligauss";
-    EXPECT_NEAR(at(*log.find("reference"), "onboard_roll_deg", 0), 1.5, 1e-9) << "not the angle that was asked for";
-    EXPECT_NEAR(at(*log.find("reference"), "onboard_heading_deg", 0), 90.0, 1e-9);
+    EXPECT_NEAR(value_at(*log.find("mag"), "mag_x_ut", 0), 25.0, 1e-9) << "milligauss";
+    EXPECT_NEAR(value_at(*log.find("reference"), "onboard_roll_deg", 0), 1.5, 1e-9) << "not the angle that was asked for";
+    EXPECT_NEAR(value_at(*log.find("reference"), "onboard_heading_deg", 0), 90.0, 1e-9);
 }
 
 /// Und is the height above mean sea level less that above the ellipsoid; zero before the receiver gives it.
@@ -197,11 +197,11 @@ TEST_F(AutopilotLogs, TheUndulationOfDataflashGivesEllipsoidalHeights) {
     const Stream& gnss = *log.find("gnss");
     ASSERT_NE(gnss.find("height_ellipsoidal_m"), nullptr);
     EXPECT_EQ(gnss.find("height_msl_m"), nullptr);
-    for (const std::size_t i : {0U, 4U, 49U}) EXPECT_NEAR(at(gnss, "height_ellipsoidal_m", i), 603.62, 1e-9) << i;
-    EXPECT_NEAR(at(*log.find("reference"), "onboard_height_m", 10), 603.5, 1e-9) << "on the same axis as the fixes";
+    for (const std::size_t i : {0U, 4U, 49U}) EXPECT_NEAR(value_at(gnss, "height_ellipsoidal_m", i), 603.62, 1e-9) << i;
+    EXPECT_NEAR(value_at(*log.find("reference"), "onboard_height_m", 10), 603.5, 1e-9) << "on the same axis as the fixes";
     const StreamLog without = read("none.bin", flight(0.0F), warnings);
-    EXPECT_NEAR(at(*without.find("gnss"), "height_msl_m", 10), 584.12, 1e-9) << "the receiver does not know it";
-    EXPECT_NEAR(at(*without.find("reference"), "onboard_height_msl_m", 10), 584.0, 1e-9);
+    EXPECT_NEAR(value_at(*without.find("gnss"), "height_msl_m", 10), 584.12, 1e-9) << "the receiver does not know it";
+    EXPECT_NEAR(value_at(*without.find("reference"), "onboard_height_msl_m", 10), 584.0, 1e-9);
 }
 
 TEST_F(AutopilotLogs, ACutDataflashIsReadUpToThere) {
@@ -223,7 +223,7 @@ TEST_F(AutopilotLogs, AMessageWithMoreNumbersThanNamesIsRead) {
     const Stream* imu = read_log.find("imu");
     ASSERT_NE(imu, nullptr);
     EXPECT_EQ(imu->rows(), 50U);
-    EXPECT_NEAR(at(*imu, "accel_z_m_s2", 3), -9.8, 1e-6);
+    EXPECT_NEAR(value_at(*imu, "accel_z_m_s2", 3), -9.8, 1e-6);
 }
 
 TEST_F(AutopilotLogs, DataflashAsTextIsTheSameLog) {
@@ -236,7 +236,7 @@ TEST_F(AutopilotLogs, DataflashAsTextIsTheSameLog) {
         warnings);
     ASSERT_TRUE(log.find("imu") != nullptr && log.find("imu1") != nullptr);
     EXPECT_EQ(log.find("imu")->rows(), 2U);
-    EXPECT_EQ(at(*log.find("imu1"), "gyro_x_rad_s", 0), 0.5);
+    EXPECT_EQ(value_at(*log.find("imu1"), "gyro_x_rad_s", 0), 0.5);
     expect_parts(warnings.summary().at(0), {"flight.log", "line 6"});
 }
 
@@ -254,8 +254,9 @@ TEST_F(AutopilotLogs, RealSamples) {
             if (s.kind != TableKind::Imu) continue;
             double norm = 0.0;
             for (std::size_t i = 0; i < s.rows(); ++i)
-                norm += std::hypot(at(s, "accel_x_m_s2", i), at(s, "accel_y_m_s2", i), at(s, "accel_z_m_s2", i)) /
-                        static_cast<double>(s.rows());
+                norm +=
+                    std::hypot(value_at(s, "accel_x_m_s2", i), value_at(s, "accel_y_m_s2", i), value_at(s, "accel_z_m_s2", i)) /
+                    static_cast<double>(s.rows());
             EXPECT_NEAR(norm, units::g0, 2.0) << s.source << ": gravity is in it";
         }
     }

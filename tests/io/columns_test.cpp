@@ -1,4 +1,5 @@
 #include "schuler/io/text/columns.h"
+#include "schuler/core/units.h"
 
 #include "io/io_fixture.h"
 
@@ -40,7 +41,7 @@ TEST_P(Synonyms, AreKnownWithTheirUnits) {
     EXPECT_EQ(plan.unused, std::vector<std::string>{"zzz"});
 }
 
-constexpr double deg = std::numbers::pi / 180.0;
+using units::deg;
 constexpr auto K = TableKind::Imu;
 constexpr auto G = TableKind::Gnss;
 constexpr auto R = TableKind::Reference;

@@ -63,16 +63,16 @@ void expect_state(const gnss::GlonassEphemeris& g) {
     EXPECT_EQ(g.channel, 1);
 }
 
-struct Expected {
+struct ExpectedSeed {
     const char* name;
     std::size_t kepler, glonass, sbas, foreign;
 };
 
 TEST_F(FuzzSeeds, NavigationRecordsAreAllRead) {
-    for (const Expected& e : {Expected{"rinex/navigation2_gps", 2, 0, 0, 0},
-                              {"rinex/navigation2_glonass", 0, 2, 0, 0},
-                              {"rinex/navigation3", 5, 1, 1, 0},
-                              {"rinex/navigation4", 7, 1, 1, 1}}) {
+    for (const ExpectedSeed& e : {ExpectedSeed{"rinex/navigation2_gps", 2, 0, 0, 0},
+                                  {"rinex/navigation2_glonass", 0, 2, 0, 0},
+                                  {"rinex/navigation3", 5, 1, 1, 0},
+                                  {"rinex/navigation4", 7, 1, 1, 1}}) {
         SCOPED_TRACE(e.name);
         const RinexNavigation n = read_rinex_navigation(seed(e.name), log);
         EXPECT_EQ(n.navigation.kepler.size(), e.kepler);

@@ -1,4 +1,5 @@
 // RTKLIB .pos files and NMEA logs.
+#include "schuler/core/units.h"
 #include "schuler/io/receiver/nmea.h"
 #include "schuler/io/solution/rtklib_pos.h"
 
@@ -17,7 +18,7 @@ namespace {
 using test::expect_parts;
 using test::message_of;
 
-constexpr double deg = std::numbers::pi / 180.0;
+using units::deg;
 constexpr double knot = 1852.0 / 3600.0;
 // 2023-01-08 10:00:00 GPS time is second 36000 of week 2244.
 constexpr std::int64_t ten = (std::int64_t{2244} * 604800 + 36000) * 1'000'000'000;

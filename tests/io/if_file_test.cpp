@@ -62,7 +62,7 @@ protected:
         return out;
     }
 
-    test::TemporaryFolder folder_{"if_file"};
+    schuler::test::TemporaryFolder folder_{"if_file"};
 };
 
 TEST_F(IfFiles, BytesAreTheSamples) {

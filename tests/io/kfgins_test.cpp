@@ -1,4 +1,5 @@
 #include "schuler/io/solution/kfgins.h"
+#include "schuler/core/units.h"
 
 #include "io/io_fixture.h"
 
@@ -10,7 +11,7 @@ namespace {
 using test::expect_parts;
 using test::message_of;
 
-constexpr double deg = std::numbers::pi / 180.0;
+using units::deg;
 
 const std::string yaml = R"(imupath: "imu.txt"
 gnsspath: "sub/gnss.txt"

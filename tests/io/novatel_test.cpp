@@ -19,10 +19,11 @@ using test::expect_parts;
 using test::message_of;
 using test::put;
 
-constexpr int week = 2244;
+constexpr int log_week = 2244;
 
 std::string ascii(const std::string& name, double tow, const std::string& content) {
-    const std::string log = fmt::format("{},COM1,0,83.5,FINESTEERING,{},{:.3f},02000000,cdba,16809;{}", name, week, tow, content);
+    const std::string log =
+        fmt::format("{},COM1,0,83.5,FINESTEERING,{},{:.3f},02000000,cdba,16809;{}", name, log_week, tow, content);
     return fmt::format("#{}*{:08x}\r\n", log, test::novatel_crc(log));
 }
 std::string binary(std::uint16_t id, double tow, const std::string& body, char form = 0) {
@@ -32,7 +33,7 @@ std::string binary(std::uint16_t id, double tow, const std::string& body, char f
     m += '\x20';
     put(m, static_cast<std::uint16_t>(body.size()));
     m += std::string("\0\0\x64\xb4", 4);
-    put(m, std::uint16_t{week});
+    put(m, std::uint16_t{log_week});
     put(m, static_cast<std::uint32_t>(tow * 1000.0 + 0.5));
     m += std::string(8, '\0');
     const std::string all = m + body;
@@ -84,7 +85,7 @@ TEST_F(Novatel, RangesAreAlikeInAsciiAndBinary) {
         WarningLog warnings;
         const RawInput raw = read_raw_input(file, {}, warnings);
         ASSERT_EQ(raw.observations.epochs.size(), 2U);
-        EXPECT_EQ(raw.observations.epochs[0].time, Time::from_gps(week, 100.0));
+        EXPECT_EQ(raw.observations.epochs[0].time, Time::from_gps(log_week, 100.0));
         const auto all = raw.observations.of(raw.observations.epochs[1]);
         ASSERT_EQ(all.size(), 5U);
         EXPECT_EQ(gnss::name_of(all[0].satellite), "G07");
@@ -239,7 +240,7 @@ TEST_F(Novatel, OneEpochStampedTooLateIsLeftOutAndNotAllBehindIt) {
                        {}, warnings);
     ASSERT_EQ(raw.observations.epochs.size(), 4U);
     EXPECT_EQ(raw.observations.observations.size(), 4U);
-    EXPECT_EQ(raw.observations.epochs[2].time, Time::from_gps(week, 102.0));
+    EXPECT_EQ(raw.observations.epochs[2].time, Time::from_gps(log_week, 102.0));
     std::vector<int> lost;
     for (const gnss::ObservationEpoch& e : raw.observations.epochs) lost.push_back(raw.observations.of(e)[0].loss_of_lock);
     EXPECT_EQ(lost, (std::vector{1, 0, 1, 0})) << "the loss of lock in the epoch that is left out is told by the next";
@@ -276,7 +277,7 @@ TEST_F(Novatel, EphemeridesAreAlikeInAsciiAndBinary) {
         ASSERT_EQ(raw.navigation.kepler.size(), 1U);
         const gnss::KeplerEphemeris& k = raw.navigation.kepler[0];
         EXPECT_EQ(gnss::name_of(k.satellite), "G14");
-        EXPECT_EQ(k.toe, Time::from_gps(week, 36'000.0));
+        EXPECT_EQ(k.toe, Time::from_gps(log_week, 36'000.0));
         EXPECT_EQ(k.toc, k.toe);
         EXPECT_NEAR(k.sqrt_a, std::sqrt(26'560'211.4), 1e-9);
         EXPECT_EQ(k.omega_dot, -8.0e-9);
@@ -288,7 +289,7 @@ TEST_F(Novatel, EphemeridesAreAlikeInAsciiAndBinary) {
         const gnss::GlonassEphemeris& g = raw.navigation.glonass[0];
         EXPECT_EQ(g.satellite.number, 6);
         EXPECT_EQ(g.channel, 1);
-        EXPECT_EQ(g.toe, Time::from_gps(week, 35'118.0));
+        EXPECT_EQ(g.toe, Time::from_gps(log_week, 35'118.0));
         EXPECT_EQ(g.clock, 2.0e-4) << "minus tau";
         EXPECT_EQ(g.position.z(), 2.307e7);
         EXPECT_TRUE(warnings.empty());

@@ -13,7 +13,7 @@
 namespace schuler::io {
 namespace {
 
-constexpr double deg = units::deg;
+using units::deg;
 
 RangingLog example() {
     RangingLog log;

@@ -13,17 +13,17 @@ using test::Errors;
 using test::errors_of;
 using test::Receiver;
 
-const Time start = Time::from_gps(2300, 200'000.0);
-const Geodetic origin{48.78 * test::deg, 9.17 * test::deg, 320.0};
+const Time beginning = Time::from_gps(2300, 200'000.0);
+const Geodetic place{48.78 * test::deg, 9.17 * test::deg, 320.0};
 
 class MadeUp : public testing::Test {
 protected:
-    MadeUp() : sky(test::made_up_sky(start, start + Duration::from_seconds(7200))) {
-        base.place = [](Time) { return test::place_from(origin, 0, 0, 0); };
+    MadeUp() : sky(test::made_up_sky(beginning, beginning + Duration::from_seconds(7200))) {
+        base.place = [](Time) { return test::place_from(place, 0, 0, 0); };
         base.clock = [](Time) { return -3e-6; };
         rover.place = [](Time t) {  // a circle of 40 m at 5 m/s
-            const double a = (t - start).seconds() / 8.0;
-            return test::place_from(origin, 900.0 + 40.0 * std::cos(a), 1200.0 + 40.0 * std::sin(a),
+            const double a = (t - beginning).seconds() / 8.0;
+            return test::place_from(place, 900.0 + 40.0 * std::cos(a), 1200.0 + 40.0 * std::sin(a),
                                     15.0 + 3.0 * std::sin(0.3 * a));
         };
         single = test::without_air();
@@ -31,8 +31,8 @@ protected:
     }
     /// Rover and base of a seed for so many seconds.
     void measure(double seconds, std::uint64_t seed) {
-        rover_log = test::measured(sky, rover, start, seconds, 2 * seed);
-        base_log = test::measured(sky, base, start, seconds, 2 * seed + 1);
+        rover_log = test::measured(sky, rover, beginning, seconds, 2 * seed);
+        base_log = test::measured(sky, base, beginning, seconds, 2 * seed + 1);
     }
     Solution solved(std::optional<Ecef> position = {}) {
         const gnss::BroadcastSource source(sky);
@@ -203,7 +203,7 @@ TEST_F(MadeUp, SlipsThatNobodyTells) {
 
 TEST_F(MadeUp, ClocksThatJumpByMilliseconds) {
     for (const bool code_alone : {false, true}) {
-        rover.clock = [](Time t) { return (t - start).seconds() < 40.0 ? 9.7e-4 : -3e-5; };
+        rover.clock = [](Time t) { return (t - beginning).seconds() < 40.0 ? 9.7e-4 : -3e-5; };
         measure(80.0, 9);
         // the phase counts on through the step of the clock
         if (code_alone)
@@ -230,10 +230,10 @@ TEST_F(MadeUp, BaseEveryHalfMinute) {
     // stamps between those of the base, and a base that ends early: its last epoch stands for half a minute
     base.interval = 1.0;
     measure(120.0, 12);
-    while (base_log.epochs.back().time > start + Duration::from_seconds(60)) base_log.epochs.pop_back();
+    while (base_log.epochs.back().time > beginning + Duration::from_seconds(60)) base_log.epochs.pop_back();
     const Solution s = solved();
     for (const EpochSolution& x : s.epochs) {
-        const double t = (x.tag - start).seconds();
+        const double t = (x.tag - beginning).seconds();
         EXPECT_EQ(x.quality == Quality::Single, t > 90.5) << t;
     }
     EXPECT_LE(errors(s).outside, 1U);
@@ -242,7 +242,7 @@ TEST_F(MadeUp, BaseEveryHalfMinute) {
 TEST_F(MadeUp, FixedAgainAfterAllWereGone) {
     measure(120.0, 13);
     for (gnss::ObservationEpoch& e : rover_log.epochs) {
-        const double t = (e.time - start).seconds();
+        const double t = (e.time - beginning).seconds();
         if (t >= 50.0 && t < 70.0) e.count = 0;
     }
     each(rover_log, 70.0, [](gnss::SignalObservation& o) { o.phase += 12.0 + o.satellite.number; });
@@ -250,7 +250,7 @@ TEST_F(MadeUp, FixedAgainAfterAllWereGone) {
     const Solution s = solved();
     double again = 1e9;
     for (const EpochSolution& x : s.epochs) {
-        const double t = (x.tag - start).seconds();
+        const double t = (x.tag - beginning).seconds();
         if (t >= 70.0 && x.quality == Quality::Fixed) again = std::min(again, t - 70.0);
     }
     fmt::print("after 20 s: fixed again after {} s; {}\n", again, text(errors(s)));
@@ -260,8 +260,8 @@ TEST_F(MadeUp, FixedAgainAfterAllWereGone) {
 
 TEST_F(MadeUp, LongBaselineUnderADisturbedIonosphere) {
     const auto far = [](Time t) {
-        const double a = (t - start).seconds() / 8.0;
-        return test::place_from(origin, 20e3 + 40.0 * std::cos(a), 15e3 + 40.0 * std::sin(a), 400.0);
+        const double a = (t - beginning).seconds() / 8.0;
+        return test::place_from(place, 20e3 + 40.0 * std::cos(a), 15e3 + 40.0 * std::sin(a), 400.0);
     };
     rover.place = far;
     put_under_air();
@@ -294,8 +294,8 @@ TEST_F(MadeUp, LongBaselineUnderADisturbedIonosphere) {
 /// two carriers show it.
 TEST_F(MadeUp, AStormOfTheIonosphereOverTwoKilometres) {
     rover.place = [](Time t) {
-        const double a = (t - start).seconds() / 8.0;
-        return test::place_from(origin, 1600.0 + 40.0 * std::cos(a), 1200.0 + 40.0 * std::sin(a), 20.0);
+        const double a = (t - beginning).seconds() / 8.0;
+        return test::place_from(place, 1600.0 + 40.0 * std::cos(a), 1200.0 + 40.0 * std::sin(a), 20.0);
     };
     put_under_air();
     settings.frequencies = 2;
@@ -324,7 +324,7 @@ TEST_F(MadeUp, AStormOfTheIonosphereOverTwoKilometres) {
 
 /// For a filter with its own motion: codes and phases less the base's are ranges with the rover's clock alone, whatever the base's does.
 TEST_F(MadeUp, RangesRelativeToTheBase) {
-    base.clock = [](Time t) { return (t - start).seconds() < 30.5 ? -3e-6 : 1e-3 - 3e-6; };  // a step of a millisecond
+    base.clock = [](Time t) { return (t - beginning).seconds() < 30.5 ? -3e-6 : 1e-3 - 3e-6; };  // a step of a millisecond
     rover.code_sigma = base.code_sigma = 0.2;
     settings.ranges = true;
     measure(60.0, 7);
@@ -371,9 +371,9 @@ TEST_F(MadeUp, RangesRelativeToTheBase) {
 
 TEST_F(MadeUp, BasesThatAreNone) {
     const auto message = [&](std::optional<Ecef> position = {}) { return io::test::message_of([&] { (void)solved(position); }); };
-    const Ecef right = test::place_from(origin, 0, 0, 0);
+    const Ecef right = test::place_from(place, 0, 0, 0);
     measure(30.0, 30);
-    io::test::expect_parts(message(test::place_from(origin, 60, 80, 0)), {"base.obs", "base.position", "100 m away", "[48.78"});
+    io::test::expect_parts(message(test::place_from(place, 60, 80, 0)), {"base.obs", "base.position", "100 m away", "[48.78"});
     const gnss::ObservationLog rover_kept = rover_log, base_kept = base_log;
     base_log = rover_log;
     io::test::expect_parts(message(), {"base.observations", "rover.obs", "those of the rover"});
@@ -391,7 +391,7 @@ TEST_F(MadeUp, BasesThatAreNone) {
     io::test::expect_parts(message(), {"base.observations", "no carrier phase in common"});
     // exchanged: the base is carried about
     rover.systems = base.systems = "GE";
-    rover.place = [](Time t) { return test::place_from(origin, 12.0 * (t - start).seconds(), 0, 0); };
+    rover.place = [](Time t) { return test::place_from(place, 12.0 * (t - beginning).seconds(), 0, 0); };
     measure(60.0, 33);
     std::swap(rover_log, base_log);
     io::test::expect_parts(message(), {"base.observations", "the base moves", "exchanged"});

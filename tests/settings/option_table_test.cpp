@@ -10,13 +10,13 @@
 namespace schuler::settings {
 namespace {
 
-Config parse(const std::string& text) {
+Config parsed(const std::string& text) {
     return config_from(config_table().read(parse_toml(text, "dataset.toml"), "dataset.toml"));
 }
 
-std::string message_of(const std::string& text) {
+std::string complaint_of(const std::string& text) {
     try {
-        (void)parse(text);
+        (void)parsed(text);
     } catch (const Error& e) {
         EXPECT_EQ(e.kind(), ErrorKind::Input);
         return e.what();
@@ -48,7 +48,7 @@ TEST(OptionTable, EveryMisspeltKeyIsRejectedWithTheRightSuggestion) {
         dropped.erase(at, 1);
         for (const std::string& bad : {swapped, dropped}) {
             if (config_table().find(bad) != nullptr) continue;
-            const std::string message = message_of(file_with(bad));
+            const std::string message = complaint_of(file_with(bad));
             EXPECT_NE(message.find("dataset.toml:" + std::string(begin > 0 ? "2" : "1") + ": " + bad + ": unknown key"),
                       std::string::npos)
                 << message;
@@ -95,14 +95,14 @@ TEST(OptionTable, NamesFileLineKeyAndMend) {
         {"[imu]\nscale = { gyro_x_rad_s = 0 }\n", {"not a usable factor"}},
     };
     for (const auto& c : cases) {
-        const std::string message = message_of(c.text);
+        const std::string message = complaint_of(c.text);
         EXPECT_EQ(message.find('\n'), std::string::npos) << message;
         for (const char* part : c.parts) EXPECT_NE(message.find(part), std::string::npos) << c.text << " -> " << message;
     }
 }
 
 TEST(OptionTable, UnitsReachTheSettings) {
-    const Config c = parse(
+    const Config c = parsed(
         "[vehicle]\nkind = \"car\"\n[imu]\naxes = \"flu\"\ngrade = \"mems\"\ngyro_noise_deg_sqrt_h = 0.3\naccel_bias_mg = 2.0\n"
         "mounting_deg = [1, -2, 180]\n[gnss]\nlatency_s = 0.25\nheight = \"msl\"\nfix_codes = { 1 = \"rtk_fixed\" }\n"
         "columns = { height_m = \"height_msl_m\" }\n[initial]\nheading_deg = 90\n");
@@ -120,7 +120,7 @@ TEST(OptionTable, UnitsReachTheSettings) {
 }
 
 TEST(OptionTable, GradeComesBeforeTheNumbersThatRefineItWhateverTheirOrder) {
-    const Config c = parse("[imu]\ngyro_bias_deg_h = 7\ngrade = \"navigation\"\n");
+    const Config c = parsed("[imu]\ngyro_bias_deg_h = 7\ngrade = \"navigation\"\n");
     EXPECT_NEAR(c.filter.imu.errors.gyro_bias, 7 * M_PI / 180 / 3600, 1e-15);
     EXPECT_NEAR(c.filter.imu.errors.accel_bias, 1e-5 * 9.80665, 1e-12);
     // a grade of a later layer speaks for all numbers of the earlier ones
@@ -194,7 +194,7 @@ TEST(OptionTable, WhatWasUsedReadsBackTheSame) {
                             {}});
         const Config first = config_from(settings);
         const std::string text = to_toml(config_table().used(first), config_table().specs(), true);
-        const Config second = parse(text);
+        const Config second = parsed(text);
         EXPECT_EQ(to_toml(config_table().used(second), config_table().specs(), true), text);
         EXPECT_EQ(first.filter.imu.errors.gyro_noise, second.filter.imu.errors.gyro_noise);  // to the last bit
         EXPECT_EQ(first.filter.initial.rpy, second.filter.initial.rpy);
@@ -228,11 +228,11 @@ TEST(OptionTable, NumbersForPeopleAreShort) {
 
 TEST(OptionTable, GradesMayBeSpeltInCapitalsAndWithHyphens) {
     for (const char* name : {"hg9900", "HG9900", "HG-9900", "hg_9900"})
-        EXPECT_NEAR(parse(std::string("[imu]\ngrade = \"") + name + "\"\n").filter.imu.errors.gyro_bias,
+        EXPECT_NEAR(parsed(std::string("[imu]\ngrade = \"") + name + "\"\n").filter.imu.errors.gyro_bias,
                     0.003 * M_PI / 180 / 3600, 1e-15)
             << name;
-    EXPECT_NE(message_of("[imu]\ngrade = \"hg990\"\n").find("\"hg9900\""), std::string::npos);
-    EXPECT_NE(message_of("[output]\nfiles = [\"SUMMARY\"]\n").find("unknown value"),
+    EXPECT_NE(complaint_of("[imu]\ngrade = \"hg990\"\n").find("\"hg9900\""), std::string::npos);
+    EXPECT_NE(complaint_of("[output]\nfiles = [\"SUMMARY\"]\n").find("unknown value"),
               std::string::npos);  // other choices are exact
 }
 

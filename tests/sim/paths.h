@@ -14,7 +14,7 @@
 
 namespace schuler::sim::testing {
 
-inline constexpr double deg = units::deg;
+using units::deg;
 
 inline RoutePath example_route() {
     RoutePath route;

@@ -15,14 +15,14 @@
 namespace schuler::sim {
 namespace {
 
-constexpr double deg = units::deg;
-const Geodetic place{52.3 * deg, 104.3 * deg, 500.0};
+using units::deg;
+const Geodetic station{52.3 * deg, 104.3 * deg, 500.0};
 
-RangingScenario frame() { return {1, 60.0, {}, Time::from_gps(2300, 7200.0), {}}; }
+RangingScenario empty_scenario() { return {1, 60.0, {}, Time::from_gps(2300, 7200.0), {}}; }
 
 RangingSettings quiet(bool glonass = true) {
     RangingSettings r;
-    const RangingScenario f = frame();
+    const RangingScenario f = empty_scenario();
     r.navigation = gnss::nominal_gps(f.gps, f.gps + Duration::from_seconds(60.0));
     if (glonass) r.navigation.add(gnss::nominal_glonass(f.gps, f.gps + Duration::from_seconds(60.0)));
     r.errors.satellite = {0.0, 0.0, 600.0, 0.0};
@@ -32,8 +32,8 @@ RangingSettings quiet(bool glonass = true) {
 }
 
 SimulatedRanges at_rest(const RangingSettings& r) {
-    const auto path = make_path(StaticPath{place}, earth::wgs84);
-    return simulate_ranges(frame(), *path, r);
+    const auto path = make_path(StaticPath{station}, earth::wgs84);
+    return simulate_ranges(empty_scenario(), *path, r);
 }
 
 std::set<std::string> seen(const RangingLog& log, double t) {
@@ -44,17 +44,17 @@ std::set<std::string> seen(const RangingLog& log, double t) {
     return out;
 }
 
-/// The receiver's log of noise-free ranges, solved from its own files' content: place to a millimetre, rest to 1 mm/s.
+/// The receiver's log of noise-free ranges, solved from its own files' content: station to a millimetre, rest to 1 mm/s.
 TEST(Ranging, NoiseFreeRangesMeetAtThePlace) {
     const RangingSettings r = quiet();
     const SimulatedRanges ranges = at_rest(r);
-    const gnss::ObservationLog log = observations_of(ranges.log, frame().gps - Time{});
+    const gnss::ObservationLog log = observations_of(ranges.log, empty_scenario().gps - Time{});
     const gnss::BroadcastSource source(r.navigation);
     gnss::SinglePointSettings settings;
     settings.ranges.ionosphere = gnss::IonosphereModel::None;
     settings.ranges.troposphere = gnss::TroposphereModel::None;
     gnss::SinglePoint solver(source, std::nullopt, settings);
-    const Ecef truth = earth::ecef_from_geodetic(earth::wgs84, place);
+    const Ecef truth = earth::ecef_from_geodetic(earth::wgs84, station);
     ASSERT_EQ(log.epochs.size(), 60U);
     for (std::size_t k = 0; k < log.epochs.size(); k += 13) {
         const auto s = solver.solve(log.of(log.epochs[k]), log.epochs[k].time, log.channels);
@@ -115,9 +115,9 @@ TEST(Ranging, ErrorsHaveTheirStatedSizes) {
     double sum = 0.0, rate = 0.0, slow_rate = 0.0, products = 0.0, squares = 0.0;
     int n = 0;
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-        RangingScenario f = frame();
+        RangingScenario f = empty_scenario();
         f.seed = seed;
-        const auto path = make_path(StaticPath{place}, earth::wgs84);
+        const auto path = make_path(StaticPath{station}, earth::wgs84);
         const RangingLog a = simulate_ranges(f, *path, r).log, b = simulate_ranges(f, *path, noisy).log;
         for (std::size_t i = 0; i < a.samples.size(); ++i, ++n) {
             sum += std::pow(b.samples[i].pseudorange - a.samples[i].pseudorange, 2);

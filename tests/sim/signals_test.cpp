@@ -13,12 +13,12 @@
 namespace schuler::sim {
 namespace {
 
-constexpr double deg = units::deg;
+using units::deg;
 const Geodetic place{52.3 * deg, 104.3 * deg, 500.0};
 
 RangingScenario frame() { return {1, 60.0, {}, Time::from_gps(2300, 7200.0), {}}; }
 
-SignalSettings quiet() {
+SignalSettings quiet_signals() {
     SignalSettings s;
     s.ranging.navigation = gnss::nominal_gps(frame().gps, frame().gps + Duration::from_seconds(60.0));
     s.ranging.errors.satellite = {0.0, 0.0, 600.0, 0.0};
@@ -28,7 +28,7 @@ SignalSettings quiet() {
 
 /// 20 g in a figure of eight: range at every epoch, at instants between samples too, and its derivatives by differences.
 TEST(Signals, MotionIsThatOfTheRangesAndItsDerivativesFit) {
-    SignalSettings s = quiet();
+    SignalSettings s = quiet_signals();
     FigureEightPath eight;
     eight.start = place;
     eight.length = 1000.0;
@@ -63,7 +63,7 @@ TEST(Signals, MotionIsThatOfTheRangesAndItsDerivativesFit) {
 }
 
 TEST(Signals, CodesAreDelayedByTheSlowErrors) {
-    SignalSettings s = quiet();
+    SignalSettings s = quiet_signals();
     s.ranging.errors.satellite = {0.0, 3.0, 1.0, 0.0};
     const Signals signals(frame(), *make_path(StaticPath{place}, earth::wgs84), s);
     double square = 0.0, later = 0.0, n = 0.0;
@@ -80,7 +80,7 @@ TEST(Signals, CodesAreDelayedByTheSlowErrors) {
 }
 
 TEST(Signals, RatesHaveSlowErrorsOfTheirOwn) {
-    SignalSettings s = quiet();
+    SignalSettings s = quiet_signals();
     const auto path = make_path(StaticPath{place}, earth::wgs84);
     const Signals clean(frame(), *path, s);
     EXPECT_EQ(clean.rate_error(0, 1.0), 0.0);
@@ -103,7 +103,7 @@ TEST(Signals, RatesHaveSlowErrorsOfTheirOwn) {
 }
 
 TEST(Signals, WeakenAsFreeSpaceAndProfileSay) {
-    SignalSettings s = quiet();
+    SignalSettings s = quiet_signals();
     s.profile = {{10.0, 45.0}, {20.0, 35.0}};
     const auto path = make_path(StaticPath{place}, earth::wgs84);
     const double distance = 10e3, power = 2.0;
@@ -142,16 +142,16 @@ TEST(Signals, RefusesWhatCorrelatorsDoNotHave) {
         }
         return std::string("nothing");
     };
-    SignalSettings s = quiet();
+    SignalSettings s = quiet_signals();
     s.ranging.faults = {{"G05", 0.0, 10.0, 5.0}};
     EXPECT_EQ(refused(s), "ranges.fault");
-    s = quiet();
+    s = quiet_signals();
     s.profile = {{10.0, 45.0}, {10.0, 40.0}};
     EXPECT_EQ(refused(s), "receiver.cn0_profile");
-    s = quiet();
+    s = quiet_signals();
     s.jammers = {{place, 0.0}};
     EXPECT_EQ(refused(s), "receiver.jammer");
-    s = quiet();
+    s = quiet_signals();
     s.ranging.errors.satellite.correlation_time = 0.0;
     EXPECT_EQ(refused(s), "ranges") << "what ranges and signals share";
 }

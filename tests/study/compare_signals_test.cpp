@@ -1,4 +1,4 @@
-// What a receiver's channels did in a window, against patterns of lock that tell it by themselves.
+// What a receiver's channels did in a jammed, against patterns of lock that tell it by themselves.
 #include "schuler/study/comparison/compare.h"
 
 #include "schuler/scenario/simulated_dataset.h"
@@ -15,7 +15,7 @@ namespace {
 
 // 115 s in whole nanoseconds are more than 115 by the last digit: an end that rows hit as well as they can.
 constexpr double begin = 94.7;
-const settings::CompareWindow window{"jammed", begin + 10.1, 115.0};
+const settings::CompareWindow jammed{"jammed", begin + 10.1, 115.0};
 
 /// From begin on the strength falls by 1 dB a second from 45 dB-Hz, for 30 s; `code`: how many are followed then, of `heard`.
 WindowStatistics of(const std::function<int(double)>& code, int heard = 6, double end = 30.0) {
@@ -26,7 +26,7 @@ WindowStatistics of(const std::function<int(double)>& code, int heard = 6, doubl
         rows.push_back({origin + Duration::from_seconds(begin + t), 45.0 - t, not_given, heard, code(t + 1e-9), 0});
     }
     WindowStatistics out;
-    add_signal_statistics(out, window, rows, origin);
+    add_signal_statistics(out, jammed, rows, origin);
     return out;
 }
 
