@@ -81,7 +81,7 @@ struct Tilted {
         filter.previous = increment(dt);
     }
     [[nodiscard]] ImuIncrement increment(double after) const {
-        const earth::LocalTerms terms = earth::terms_at(model.earth, truth.position, truth.v_eb_n);
+        const earth::EarthTerms terms = earth::terms_at(model.earth, truth.position, truth.v_eb_n);
         return {truth.time + Duration::from_seconds(after), dt, dt * terms.w_ie_n, -dt * terms.g_n};
     }
     void run(int steps) {

@@ -350,9 +350,10 @@ Result run_leg(const Recording& recording, const Settings& given, WarningLog& wa
     if (unjudged != result.alerts.end())
         warnings.add(
             "gnss.unjudged",
-            fmt::format("from {:.0f} s on the receiver is used without judgement: the separate scheme does not correct its attitude, and "
-                        "its tilt became uncertain by more than {:.0f} deg; choose --scheme loose",
-                        (unjudged->time - origin).seconds(), filter::most_tilt_judged / units::deg));
+            fmt::format(
+                "from {:.0f} s on the receiver is used without judgement: the separate scheme does not correct its attitude, and "
+                "its tilt became uncertain by more than {:.0f} deg; choose --scheme loose",
+                (unjudged->time - origin).seconds(), filter::most_tilt_judged / units::deg));
     return result;
 }
 
