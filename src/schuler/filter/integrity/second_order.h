@@ -4,8 +4,8 @@
 //     (C_est - C) f_b = (I - exp([phi x])) f = -phi x f - 1/2 phi x (phi x f) - ...,      f = C_est f_b.
 // The covariance has the first term. The second one, as an acceleration in m/s^2,
 //     q = 1/2 (phi^2 f - phi (phi . f)),
-// is vertical where f is: 1/2 g tilt^2, along an axis in which the first term is zero and the covariance knows an accelerometer's bias
-// only. At a tilt of 0.2 rad it is 0.2 m/s^2, ten times that bias in a MEMS unit. With phi ~ N(0, S), s = tr S and the fourth moments of
+// is vertical for the most part, as f is: 1/2 g tilt^2, at a tilt of 0.2 rad 0.2 m/s^2. In that direction the first term is of the same
+// size, the horizontal part of f times the tilt, or nothing where f is vertical. With phi ~ N(0, S), s = tr S and the fourth moments of
 // a Gaussian vector, E[a b c d] = E[ab] E[cd] + E[ac] E[bd] + E[ad] E[bc],
 //     4 E[q q^T] = S (f.Sf) + 2 Sf Sf^T - (s Sf + 2 SSf) f^T - f (s Sf + 2 SSf)^T + (s^2 + 2 tr SS) f f^T.
 // phi is not noise but an error that grows over minutes, and so is q: it accumulates in velocity and position in proportion to time,
