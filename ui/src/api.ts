@@ -131,7 +131,7 @@ export interface Summary {
   events?: unknown;
   /** Epochs of carrier phase against a base, by what their ambiguities are. */
   carrier?: { epochs: number; fixed: number; float: number; single: number } | null;
-  integrity?: { alerts: { time_s: number; channel: string; test: string; size: number }[] } | null;
+  integrity?: { alerts: { time_s: number; channel: string; test: string; size: number | null }[] } | null;
   findings?: Record<string, unknown> | null;
   facts?: Fact[] | null;
   ignored?: unknown[];

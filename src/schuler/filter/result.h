@@ -26,6 +26,7 @@ enum class IntegrityTest {
     Slow,
     Readmitted,  ///< the channel is used again
     Returned,    ///< the receiver's fault has ended: the estimate is opened and follows it
+    Unjudged,    ///< from here on: the solution of the separate scheme is too tilted to judge a fix
     Jump,        ///< positions jumped to another level, not sensed by the inertial unit
     JumpBack,    ///< ... and came back
     OtherLevel,  ///< the level after a jump has been held longer than the one before and is now accepted

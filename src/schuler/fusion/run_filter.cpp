@@ -346,6 +346,14 @@ Result run_leg(const Recording& recording, const Settings& given, WarningLog& wa
                 "the loop is open and the attitude error beside the mechanization grew to {:.1f} deg: the linear error model does not "
                 "hold there, and neither do the sigmas; choose --loop closed or mixed",
                 result.open_attitude / units::deg));
+    const auto unjudged = std::ranges::find(result.alerts, IntegrityTest::Unjudged, &Alert::test);
+    if (unjudged != result.alerts.end())
+        warnings.add(
+            "gnss.unjudged",
+            fmt::format(
+                "from {:.0f} s on the receiver is used without judgement: the separate scheme does not correct its attitude, and "
+                "its tilt became uncertain by more than {:.0f} deg; choose --scheme loose",
+                (unjudged->time - origin).seconds(), filter::most_tilt_judged / units::deg));
     return result;
 }
 

@@ -254,6 +254,7 @@ std::string_view integrity_test_name(fusion::IntegrityTest test) {
         case fusion::IntegrityTest::Slow: return "slow";
         case fusion::IntegrityTest::Readmitted: return "readmitted";
         case fusion::IntegrityTest::Returned: return "returned";
+        case fusion::IntegrityTest::Unjudged: return "unjudged";
         case fusion::IntegrityTest::Jump: return "jump";
         case fusion::IntegrityTest::JumpBack: return "jump back";
         case fusion::IntegrityTest::OtherLevel: return "other level";

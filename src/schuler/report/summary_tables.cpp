@@ -17,6 +17,7 @@ std::string alert_text(const fusion::Alert& a) {
     switch (a.test) {
         case IntegrityTest::Readmitted: return "used again";
         case IntegrityTest::Returned: return "fault has ended";
+        case IntegrityTest::Unjudged: return "used without judgement from here on: the solution is too tilted to contradict it";
         case IntegrityTest::Jump:
             return fmt::format("the receiver jumps by {}, not felt by the IMU: sigmas cover both levels", size);
         case IntegrityTest::JumpBack: return fmt::format("the receiver is back from a jump of {}", size);

@@ -34,6 +34,7 @@ constexpr std::array table{
     Row{"gnss.latency", Gravity::Care},          // not known well enough for the speed
     Row{"gnss.explained", Gravity::Care},        // by larger receiver errors than assumed
     Row{"gnss.alert", Gravity::Care},            // the receiver was considered faulty
+    Row{"gnss.unjudged", Gravity::Care},         // the solution became too tilted to judge it
     Row{"base.position.off", Gravity::Care},     // the base contradicts its position
     Row{"base.prediction", Gravity::Care},       // carrier phases: the inertial unit was knocked
     Row{"base.slips.many", Gravity::Care},       // carrier phases: more slips than receivers have

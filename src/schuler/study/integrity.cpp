@@ -63,8 +63,9 @@ double largest_error(const solution::ResultBundle& b, double from) {
 /// (at a single epoch the gates exclude some with their false-alarm probability).
 std::vector<Finding> findings_of(const solution::ResultBundle& b) {
     std::vector<Finding> out;
+    using enum fusion::IntegrityTest;
     for (const fusion::Alert& a : b.result.alerts)
-        if (a.test != fusion::IntegrityTest::Readmitted && a.test != fusion::IntegrityTest::Returned) out.push_back({a.time, -1});
+        if (a.test != Readmitted && a.test != Returned && a.test != Unjudged) out.push_back({a.time, -1});
     for (const fusion::ProtectionRow& row : b.result.forward.protection)
         if (row.alarm >= 0) out.push_back({row.time, row.alarm});
     std::map<int, bool> left_out;  // whether a source was excluded at its last epoch

@@ -42,6 +42,13 @@ async function gates(run: string, g: Group): Promise<{ times: number[]; status: 
 /** Kinds that say something about the vehicle by being used at all. */
 const recognised = ["zero_velocity", "zero_rate", "nonholonomic"];
 
+/** What a finding about a receiver's channel means for its use. */
+function findingText(test: string, channel: string): string {
+  if (test === "readmitted") return t("event.readmitted", { channel });
+  if (test === "unjudged") return t("event.unjudged", { channel });
+  return t("event.alert", { channel });
+}
+
 export async function happenings(run: RunDetails, groups: Group[]): Promise<Happening[]> {
   const out: Happening[] = [];
   const s = run.summary;
@@ -62,10 +69,10 @@ export async function happenings(run: RunDetails, groups: Group[]): Promise<Happ
     out.push({
       from: a.time_s,
       to: a.time_s,
-      what: t("event.alert", { channel: maybe(`aid.${a.channel}`, a.channel) }),
-      note: `${a.test}, ${number(a.size, 3)}`,
+      what: findingText(a.test, maybe(`aid.${a.channel}`, a.channel)),
+      note: a.size === null ? a.test : `${a.test}, ${number(a.size, 3)}`,
       marked: true,
-      paint: "--rejected",
+      paint: a.test === "readmitted" ? "--good" : a.test === "unjudged" ? "--warn" : "--rejected",
     });
   await Promise.all(
     groups

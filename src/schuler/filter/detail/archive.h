@@ -187,7 +187,8 @@ SCHULER_ARCHIVED(GateState, run, since, last, innovation, rate)
 SCHULER_ARCHIVED(Vibration, gyro_psd, accel_psd, samples, rate, force, rate_step, force_step)
 SCHULER_ARCHIVED(WheelEvidence, verdict, n, turned, mean_side, mean_down, m2_side, m2_down)
 SCHULER_ARCHIVED(ChannelHealth, excluded, together, used, agrees, seen, failed_run, slow_run, fault, faulty, returned, sum, count)
-SCHULER_ARCHIVED_IN_FRAME(Shadow, filter, since, alive)
+inline void archive(Archive& a, SecondOrder& errors) { errors.archive(a); }
+SCHULER_ARCHIVED_IN_FRAME(Shadow, filter, second_order, since, alive)
 SCHULER_ARCHIVED(RangeTracking::Slot, source, station, last, doubted)
 SCHULER_ARCHIVED(FaultHypothesis, source, growing, since, response, information, evidence)
 SCHULER_ARCHIVED(WithoutSource, source, since, offset, excess, score, weight)
@@ -217,11 +218,12 @@ void archive(Archive& a, AtMostOne<T>& one) {
 template <class Frame>
 void archive(Archive& a, FilterRun<Frame>& run) {  // a diverged run is not saved
     auto& [filter, increment, event, epoch, still, bridge, instant, outputs, next_output, next_constraint, next_feedback,
-           feedback_period, gates, wheels, vibration, last_still, carried, corrected, health, shadows, ranges, undecided_heading,
-           refused_heading, fixes, suspect, wanted, openings, sides_changed, rival, challenged, diverged] = run;
+           feedback_period, gates, wheels, vibration, last_still, carried, corrected, health, shadows, second_order, unjudged,
+           ranges, undecided_heading, refused_heading, fixes, suspect, wanted, openings, sides_changed, rival, challenged,
+           diverged] = run;
     a(filter, increment, event, epoch, still, bridge, instant, outputs, next_output, next_constraint, next_feedback,
-      feedback_period, gates, wheels, vibration, last_still, carried, corrected, health, shadows, ranges, undecided_heading,
-      refused_heading, fixes, suspect, wanted, openings, sides_changed, rival, challenged);
+      feedback_period, gates, wheels, vibration, last_still, carried, corrected, health, shadows, second_order, unjudged, ranges,
+      undecided_heading, refused_heading, fixes, suspect, wanted, openings, sides_changed, rival, challenged);
     if (a.reads()) diverged.reset();
 }
 SCHULER_ARCHIVED_IN_FRAME(Rival, run, since, challenger, explained, accepted, refused, in_row, attempts, patience, opening)

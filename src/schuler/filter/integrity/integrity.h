@@ -2,6 +2,7 @@
 #pragma once
 
 #include "schuler/core/time.h"
+#include "schuler/filter/integrity/second_order.h"
 #include "schuler/filter/result.h"
 #include "schuler/filter/settings.h"
 #include "schuler/filter/states/inertial_filter.h"
@@ -71,9 +72,38 @@ struct ChannelHealth {
 template <class Frame>
 struct Shadow {
     InertialFilter<Frame> filter;
+    SecondOrder second_order;
     Time since{};
     bool alive = false;
+
+    /// Propagates the covariance to the time of the nominal state.
+    void propagate_covariance(const InertialModel& model);
 };
+
+/// Covariance of an innovation for the tests of a fix: the filter's own, and the errors of the second order of a tilted solution.
+template <class Frame>
+[[nodiscard]] Eigen::Matrix3d examined_covariance(const InertialFilter<Frame>& filter, const SecondOrder& second_order,
+                                                  const Measurement& m) {
+    const Eigen::Matrix3d S = filter.innovation_covariance(m);
+    return second_order.follows() ? Eigen::Matrix3d(S + second_order.of_second_order(m)) : S;
+}
+
+/// Propagates a filter's covariance together with its errors of the second order; `phi` is the transition. False if it is already at the
+/// time of the nominal state.
+template <class Frame>
+bool propagate_covariance(const InertialModel& model, InertialFilter<Frame>& filter, SecondOrder& second_order,
+                          estim::Transition& phi) {
+    const double span = filter.gathered.time;
+    if (!filter.propagate_covariance(model, phi)) return false;
+    second_order.propagate(phi, span, filter.covariance_of(Layout::attitude, Layout::attitude), filter.mean_force);
+    return true;
+}
+
+template <class Frame>
+void Shadow<Frame>::propagate_covariance(const InertialModel& model) {
+    estim::Transition phi;
+    (void)filter::propagate_covariance(model, filter, second_order, phi);
+}
 
 /// Limits of the slow-ramp test for 1, 2, 3 degrees of freedom.
 [[nodiscard]] std::array<double, 4> slow_limits(const IntegritySettings& settings);

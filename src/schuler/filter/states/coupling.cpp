@@ -119,36 +119,80 @@ void Pass<Frame>::carry_on(FilterRun<Frame>& run, Observer& observer) const {
 }
 
 template <class Frame>
+double Pass<Frame>::correction_interval(const FilterRun<Frame>& run, Channel channel, Time stamp) {
+    const std::optional<Time>& last = run.corrected[channel.gate()];
+    return last ? (stamp - *last).seconds() : 1.0;
+}
+
+template <class Frame>
+void Pass<Frame>::correct_separately(InertialFilter<Frame>& filter, SecondOrder& second_order, const Measurement& m,
+                                     Gains gains) const {
+    if constexpr (!Frame::errors_are_geographic)
+        gains.template topRows<9>() = (filter.to_local_level(model_).inverse() * gains.template topRows<9>()).eval();
+    second_order.correct(m, gains);
+    filter.correct(model_, m, gains);
+}
+
+template <class Frame>
+void Pass<Frame>::close_baro_loop(InertialFilter<Frame>& filter, SecondOrder& second_order, const Measurement& m,
+                                  double dt) const {
+    // A loop closed too seldom for its time constant would be unstable.
+    const double tau = settings_.separate.baro_time, closed = std::min(dt, 0.2 * tau);
+    correct_separately(filter, second_order, m, barometer_gains(filter.P.rows(), filter.estimate(model_).C_nb, closed, tau));
+}
+
+template <class Frame>
+void Pass<Frame>::use_baro_in_shadows(FilterRun<Frame>& run, const Event& event, double dt) const {
+    for (Shadow<Frame>& s : run.shadows) {
+        if (!s.alive) continue;
+        s.propagate_covariance(model_);
+        const Measurement m = s.filter.to_own(model_, measurement_of(s.filter, event));
+        // The optimal gain would take a vertical acceleration that the covariance does not know for an error of everything correlated.
+        if (settings_.coupling == Coupling::Separate) close_baro_loop(s.filter, s.second_order, m, dt);
+        else (void)s.filter.update(model_, m, [](const auto&) {});
+    }
+}
+
+template <class Frame>
 bool Pass<Frame>::use_separately(FilterRun<Frame>& run, Channel channel, const Measurement& local, const Measurement& m,
                                  Time stamp) const {
     const SeparateSettings& s = settings_.separate;
     const bool position = channel.kind == AidKind::GnssPosition;
     std::optional<Time>& last = run.corrected[channel.gate()];
-    const double dt = last ? (stamp - *last).seconds() : 1.0;
-    Gains K = Gains::Zero(run.filter.P.rows(), 3);
+    const double dt = correction_interval(run, channel, stamp);
     if (channel.kind == AidKind::Baro) {
-        // A loop closed too seldom for its time constant would be unstable.
-        K = barometer_gains(run.filter.P.rows(), run.filter.estimate(model_).C_nb, std::min(dt, 0.2 * s.baro_time), s.baro_time);
+        close_baro_loop(run.filter, run.second_order, m, dt);
     } else if (position || channel.kind == AidKind::GnssVelocity) {
         if (s.restart_period > 0.0 && last && dt < s.restart_period - 1e-3) return false;
         const double share = s.restart_period > 0.0 ? 1.0 : correction_share(dt, position ? s.position_time : s.velocity_time);
-        K = setting_gains(run.filter.P.rows(), local, position ? Layout::position : Layout::velocity, share);
+        Gains K = setting_gains(run.filter.P.rows(), local, position ? Layout::position : Layout::velocity, share);
         // With a barometer, the vertical channel is separate.
         if (model_.layout.baro_bias >= 0) K.row((position ? Layout::position : Layout::velocity) + 2).setZero();
+        correct_separately(run.filter, run.second_order, m, K);
     } else {
         return false;
     }
     last = stamp;
-    if constexpr (!Frame::errors_are_geographic)
-        K.template topRows<9>() = (run.filter.to_local_level(model_).inverse() * K.template topRows<9>()).eval();
-    run.filter.correct(model_, m, K);
     return true;
+}
+
+template <class Frame>
+bool Pass<Frame>::cannot_judge(FilterRun<Frame>& run, Channel channel, Time stamp, Observer& observer) const {
+    if (!run.second_order.follows()) return false;
+    if (!run.unjudged && tilt_sigma(model_, run.filter) > most_tilt_judged) {
+        run.unjudged = true;
+        observer.alert({stamp, channel.kind, IntegrityTest::Unjudged});
+        run.health = {};
+        for (Shadow<Frame>& s : run.shadows) s.alive = false;
+    }
+    return run.unjudged;
 }
 
 template <class Frame>
 AidStatus Pass<Frame>::examine(FilterRun<Frame>& run, Channel channel, const AidRecord& record, const Examined& examined,
                                Observer& observer) const {
     const IntegritySettings& s = settings_.integrity;
+    if (cannot_judge(run, channel, record.stamp, observer)) return AidStatus::Accepted;
     ChannelHealth& health = run.health[sub_vector(channel.kind)];
     std::optional<IntegrityTest> failed = failed_test(examined, health, s);
     if (!failed && record.nis > data_.gates.chi_square[record.dof]) failed = IntegrityTest::Innovation;
@@ -195,20 +239,20 @@ AidStatus Pass<Frame>::examine(FilterRun<Frame>& run, Channel channel, const Aid
 template <class Frame>
 void Pass<Frame>::look_back(FilterRun<Frame>& run, const Event& event, Observer& observer) const {
     ChannelHealth& health = run.health[sub_vector(event.kind)];
-    if (health.excluded) return;
+    if (health.excluded || cannot_judge(run, event.kind, event.stamp, observer)) return;
     Shadow<Frame>* oldest = nullptr;
     for (Shadow<Frame>& s : run.shadows)
         if (s.alive && (oldest == nullptr || s.since < oldest->since)) oldest = &s;
     if (oldest == nullptr || (run.filter.time() - oldest->since).seconds() < 0.5 * settings_.integrity.window) return;
-    estim::Transition phi;
-    (void)oldest->filter.propagate_covariance(model_, phi);
+    oldest->propagate_covariance(model_);
     const Measurement local = measurement_of(oldest->filter, event), m = oldest->filter.to_own(model_, local);
     if (m.dof == 0) return;
-    const double nis = m.innovation.dot(oldest->filter.innovation_covariance(m).inverse() * m.innovation);
+    const double nis = m.innovation.dot(examined_covariance(oldest->filter, oldest->second_order, m).inverse() * m.innovation);
     health.slow_run = nis > data_.slow_limits[static_cast<std::size_t>(m.dof)] ? health.slow_run + 1 : 0;
     if (health.slow_run < settings_.integrity.slow_count) return;
     observer.alert({event.stamp, event.kind, IntegrityTest::Slow});
     run.filter = oldest->filter;  // the solution from before the error
+    run.second_order = oldest->second_order;
     for (CarriedFix& c : run.carried) c.left = 0;
     const bool both = run.health[0].used && run.health[1].used;
     for (ChannelHealth& h : run.health) {
@@ -225,7 +269,7 @@ void Pass<Frame>::look_back(FilterRun<Frame>& run, const Event& event, Observer&
 
 template <class Frame>
 void Pass<Frame>::renew_shadows(FilterRun<Frame>& run) const {
-    if (run.shadows.size() != 2 || run.health[0].excluded || run.health[1].excluded) return;
+    if (run.shadows.size() != 2 || run.unjudged || run.health[0].excluded || run.health[1].excluded) return;
     if (run.health[0].slow_run > 0 || run.health[1].slow_run > 0) return;  // not while under suspicion
     const Time now = run.filter.time();
     const double window = settings_.integrity.window;
@@ -234,7 +278,7 @@ void Pass<Frame>::renew_shadows(FilterRun<Frame>& run) const {
         const bool due = shadow.alive ? (now - shadow.since).seconds() >= window
                                       : !other.alive || (now - other.since).seconds() >= 0.5 * window;
         if (!due) continue;
-        shadow = {run.filter, now, true};
+        shadow = {run.filter, run.second_order, now, true};
         return;
     }
 }
@@ -246,6 +290,8 @@ void Pass<Frame>::renew_shadows(FilterRun<Frame>& run) const {
     template void Pass<Frame>::carry_on(FilterRun<Frame>&, Observer&) const;                                                   \
     template AidStatus Pass<Frame>::examine(FilterRun<Frame>&, Channel, const AidRecord&, const Examined&, Observer&) const;   \
     template void Pass<Frame>::look_back(FilterRun<Frame>&, const Event&, Observer&) const;                                    \
+    template double Pass<Frame>::correction_interval(const FilterRun<Frame>&, Channel, Time);                                  \
+    template void Pass<Frame>::use_baro_in_shadows(FilterRun<Frame>&, const Event&, double) const;                             \
     template void Pass<Frame>::renew_shadows(FilterRun<Frame>&) const;
 SCHULER_INSTANTIATE(GeographicFrame)
 SCHULER_INSTANTIATE(EarthFixedFrame)

@@ -421,6 +421,7 @@ void set_out(FilterRun<Frame>& run, const InertialModel& model, const Settings& 
     run.feedback_period =
         Duration::from_seconds(settings.feedback_period.value_or(correction_period(bounds, settings.feedback_attitude)));
     run.next_feedback = start.nav.time + run.feedback_period;
+    if (settings.integrity.use && settings.coupling == Coupling::Separate) run.second_order = SecondOrder(f.P.rows());
     if (settings.integrity.use && settings.integrity.window > 0.0 && !uses_ranges(settings.coupling)) run.shadows.resize(2);
     run.undecided_heading = start.undecided_heading;
     run.increment = start.increment;

@@ -25,7 +25,7 @@ struct Fnv {
 /// Precedes the parts of a navigator.
 struct Header {
     static constexpr std::uint64_t its_name = 0x56414e4c55484353;  // "SCHULNAV"
-    static constexpr std::uint64_t its_version = 18;
+    static constexpr std::uint64_t its_version = 19;
     std::uint64_t name = its_name, version = its_version, settings = 0, size = 0, checksum = 0;
 };
 

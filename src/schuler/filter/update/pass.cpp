@@ -55,7 +55,7 @@ template <class Frame>
 void Pass<Frame>::propagate_covariance(FilterRun<Frame>& run, Observer& observer) const {
     estim::Transition phi;
     const double span = run.filter.gathered.time;
-    if (!run.filter.propagate_covariance(model_, phi)) return;
+    if (!filter::propagate_covariance(model_, run.filter, run.second_order, phi)) return;
     for (CarriedFix& c : run.carried)
         if (c.left > 0) carry(c, phi);
     run.ranges.watch.propagate(phi, run.filter.used);
@@ -68,8 +68,7 @@ void Pass<Frame>::step(FilterRun<Frame>& run, const ImuIncrement& increment, con
     if (run.filter.gathered.is_full(increment.dt)) propagate_covariance(run, observer);
     for (Shadow<Frame>& s : run.shadows) {
         if (!s.alive) continue;
-        estim::Transition phi;
-        if (s.filter.gathered.is_full(increment.dt)) (void)s.filter.propagate_covariance(model_, phi);
+        if (s.filter.gathered.is_full(increment.dt)) s.propagate_covariance(model_);
         s.filter.propagate(model_, increment, noise);
     }
     run.filter.propagate(model_, increment, noise);
@@ -146,7 +145,7 @@ bool Pass<Frame>::try_advance(FilterRun<Frame>& run, std::size_t last, Observer&
             if (observer.records()) observer.step(phi);
             for (Shadow<Frame>& s : run.shadows) {
                 if (!s.alive) continue;
-                (void)s.filter.propagate_covariance(model_, phi);
+                s.propagate_covariance(model_);
                 (void)s.filter.feed_back(model_);
             }
             run.next_feedback = inc.time + run.feedback_period;
@@ -192,16 +191,11 @@ void Pass<Frame>::process(FilterRun<Frame>& run, const Event& event, Observer& o
         observer.outage_epoch(run, event, all, withheld);
     }
     if (!uses(event.kind)) return;
-    AidRecord record = try_update(run, {event.kind, event.components}, local, event.stamp, event.withheld, observer);
+    const Channel channel{event.kind, event.components};
+    const double interval = correction_interval(run, channel, event.stamp);
+    AidRecord record = try_update(run, channel, local, event.stamp, event.withheld, observer);
     if (run.diverged) return;
-    if (record.status == AidStatus::Accepted && event.kind == AidKind::Baro) {
-        for (Shadow<Frame>& s : run.shadows) {
-            if (!s.alive) continue;
-            estim::Transition phi;
-            (void)s.filter.propagate_covariance(model_, phi);
-            (void)s.filter.update(model_, s.filter.to_own(model_, measurement_of(s.filter, event)), [](const auto&) {});
-        }
-    }
+    if (record.status == AidStatus::Accepted && event.kind == AidKind::Baro) use_baro_in_shadows(run, event, interval);
     if (record.status == AidStatus::Accepted && event.kind == AidKind::GnssPosition) renew_shadows(run);
     if (is_part_of_fix(event.kind)) unpack(record, event.components);
     observer.aid(record);

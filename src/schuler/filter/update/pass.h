@@ -101,6 +101,8 @@ struct FilterRun {
     std::array<std::optional<Time>, Channel::count> corrected{};  ///< by Channel::gate(), when last: Separate
     std::array<ChannelHealth, 2> health{};                        ///< position, velocity: integrity
     std::vector<Shadow<Frame>> shadows;                           ///< two, or none if slow ramps are not monitored
+    SecondOrder second_order;                                     ///< integrity in the separate scheme
+    bool unjudged = false;                                        ///< ... whose tilt is too uncertain to judge a fix
     RangeTracking ranges;
 
     double undecided_heading = 0.0;     ///< rad, Start::undecided_heading
@@ -238,6 +240,16 @@ private:
     bool use(FilterRun<Frame>& run, Channel channel, const Measurement& local, const Measurement& m, Time stamp,
              Observer& observer) const;
     bool use_separately(FilterRun<Frame>& run, Channel channel, const Measurement& local, const Measurement& m, Time stamp) const;
+    /// Seconds since the last correction of this channel in the separate scheme, 1 before any.
+    [[nodiscard]] static double correction_interval(const FilterRun<Frame>& run, Channel channel, Time stamp);
+    /// Corrects the filter of the run or a copy of it by gain columns in local-level errors.
+    void correct_separately(InertialFilter<Frame>& filter, SecondOrder& second_order, const Measurement& m, Gains gains) const;
+    /// The barometer's loop after `dt` seconds.
+    void close_baro_loop(InertialFilter<Frame>& filter, SecondOrder& second_order, const Measurement& m, double dt) const;
+    /// A barometer's height in the copies without the receiver, as the run used it.
+    void use_baro_in_shadows(FilterRun<Frame>& run, const Event& event, double dt) const;
+    /// True if the solution of a separate scheme is too tilted to judge fixes; the first time it is told.
+    bool cannot_judge(FilterRun<Frame>& run, Channel channel, Time stamp, Observer& observer) const;
     /// Updates the filter and the records of its corrections. Returns the estimated error.
     StateVector update(FilterRun<Frame>& run, const Measurement& m, Observer& observer) const;
     /// Propagates a fix used in parts over an interval with this transition.

@@ -123,7 +123,7 @@ AidRecord Pass<Frame>::try_update(FilterRun<Frame>& run, Channel channel, const 
     record.dof = local.dof;
     record.innovation = local.innovation;
     const Measurement m = run.filter.to_own(model_, local);
-    const Eigen::Matrix3d S = run.filter.innovation_covariance(m);
+    const Eigen::Matrix3d S = examined_covariance(run.filter, run.second_order, m);
     for (int i = 0; i < m.dof; ++i) {
         record.sigma(i) = std::sqrt(S(i, i));
         record.sigma_state(i) = std::sqrt(std::max(0.0, S(i, i) - m.variance(i)));
