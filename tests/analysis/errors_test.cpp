@@ -1,5 +1,6 @@
 #include "schuler/analysis/errors.h"
 #include "schuler/analysis/reference_point.h"
+#include "schuler/core/units.h"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +14,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double deg = std::numbers::pi / 180.0;
+using units::deg;
 const earth::Earth wgs;
 const Geodetic home{52.0 * deg, 13.0 * deg, 40.0};
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();

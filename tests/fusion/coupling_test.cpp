@@ -394,8 +394,8 @@ TEST(Integrity, StepsAreRefusedAtOnceAndSmootherIsRefusedToo) {
 
 /// The separate scheme with a MEMS unit, whose attitude nobody corrects: tenths of a radian after minutes. From seed 2 on: seed 1 draws a
 /// heading at the start that is wrong by 2.7 sigma, for which the gate refuses the fixes in the first turn.
-struct TiltedFlight : Flight {
-    explicit TiltedFlight(std::uint64_t seed) : Flight(seed) {
+struct TiltedFlight : CoupledFlight {
+    explicit TiltedFlight(std::uint64_t seed) : CoupledFlight(seed) {
         scenario.duration = 300.0;
         scenario.imu.errors = mems();
         settings.imu.errors = scenario.imu.errors;

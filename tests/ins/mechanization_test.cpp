@@ -56,9 +56,9 @@ Runs mechanize(const earth::Earth& earth, const Motion& motion, const std::vecto
     return {errors_of(earth, n, truth), errors_of(earth, to_geographic(earth, e), truth)};
 }
 
-class AtRest : public testing::TestWithParam<double> {};
+class RestForAnHour : public testing::TestWithParam<double> {};
 
-TEST_P(AtRest, StaysForAnHour) {
+TEST_P(RestForAnHour, StaysForAnHour) {
     const earth::Earth earth;
     const double lat = GetParam() * units::deg;
     const Motion motion = [lat](const Jet&) { return Pose{lat, -2.5, 800.0, 0.1, -0.2, 2.0}; };
@@ -74,7 +74,7 @@ TEST_P(AtRest, StaysForAnHour) {
     EXPECT_LT(runs.n.velocity.norm(), 1e-8);
     EXPECT_LT(runs.e.velocity.norm(), 1e-8);
 }
-INSTANTIATE_TEST_SUITE_P(Latitudes, AtRest, testing::Values(0.0, 45.0, -33.0, 78.0, -89.0));
+INSTANTIATE_TEST_SUITE_P(Latitudes, RestForAnHour, testing::Values(0.0, 45.0, -33.0, 78.0, -89.0));
 
 TEST(Mechanization, GreatCircleAtConstantHeight) {
     // Central angle u of a circle inclined by i, at 250 m/s: lat = asin(sin i sin u), lon = atan2(cos i sin u, cos u).

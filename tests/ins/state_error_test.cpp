@@ -23,7 +23,7 @@ TEST(StateError, CorrectedUndoesPerturbed) {
     const earth::Earth earth;
     std::mt19937_64 generator(7);
     std::uniform_real_distribution<double> unit(-1.0, 1.0);
-    const auto vector = [&](double size) { return Vector3d(size * test::draw3(unit, generator)); };
+    const auto vector = [&](double size) { return Vector3d(size * schuler::test::draw3(unit, generator)); };
     for (int k = 0; k < 2000; ++k) {
         NavState x;
         x.time = Time{k};

@@ -3,6 +3,7 @@
 #include "inspect/synthetic_car.h"
 #include "io/log_bytes.h"
 
+#include "schuler/core/units.h"
 #include "schuler/sensor/axes.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +18,7 @@ namespace schuler::inspect::test {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr double deg = 0.017453292519943295;
+using units::deg;
 constexpr const char* turned = "x=backward, y=right, z=up";
 
 /// The files of the car under their names, nothing else.

@@ -21,7 +21,7 @@ protected:
     FileReport report(const std::string& seed, const std::string& name) const {
         const auto from = std::filesystem::path(SCHULER_SOURCE_DIR) / "tests/fuzz/corpus" / seed;
         const auto to = folder_.path() / name;
-        std::ofstream(to, std::ios::binary) << test::content_of(from).substr(1);
+        std::ofstream(to, std::ios::binary) << schuler::test::content_of(from).substr(1);
         const InspectReport r = inspect(to);
         for (const Problem& p : r.problems) EXPECT_NE(p.level, Level::Error) << p.text;
         for (const FileReport& f : r.files)
@@ -34,7 +34,7 @@ protected:
                                                                 << testing::PrintToString(report.contents);
     }
 
-    test::TemporaryFolder folder_{"inspect_raw"};
+    schuler::test::TemporaryFolder folder_{"inspect_raw"};
 };
 
 TEST_F(RawFiles, RinexObservations) {
