@@ -550,7 +550,7 @@ async function live(t) {
     await tab.locator(".live-link", { hasText: "No connection" }).waitFor();
     const navigator = begin("live", "live.toml");
     await tab.locator(".live-link", { hasText: "Messages of" }).waitFor();
-    begin("replay", join("drive", "dataset.toml"), "--to", `tcp://127.0.0.1:${samples}`, "--speed", "30");
+    begin("replay", join("drive", "dataset.toml"), "--to", `tcp://127.0.0.1:${samples}`, "--speed", "8");
     await tab.locator(".stat", { hasText: "navigating" }).waitFor().catch(() => check(false, `it does not navigate: ${navigator.told.slice(-300)}`));
     const drawn = () =>
       tab.evaluate(() => [...document.querySelectorAll(".live figure.plot")].filter((f) => f.plot).map((f) => f.plot.data.y.flat().filter((v) => v !== null).length));
