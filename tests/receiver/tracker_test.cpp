@@ -146,6 +146,52 @@ TEST(Tracker, CodeGoesOnWithTheInertialRateWhenTheCarrierIsLost) {
     EXPECT_TRUE(alone.tracker.state() == TrackState::Lost || std::abs(alone.error().code) > 0.5);
 }
 
+/// Half a cycle a sum off, the phase loop is locked as well as at the signal's own frequency.
+TEST(Tracker, FindsOutThatItsLockIsFalse) {
+    for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+        Scene s({}, gps_l1_ca(), seed);
+        s.tracker.start(s.aligned(), 0);
+        s.run(4.0);
+        ASSERT_TRUE(s.tracker.phase_locked()) << seed;
+        s.truth.rate += 50.0 * s.signal.wavelength();  // sums of 10 ms
+        for (int i = 0; i < 40; ++i) {
+            s.run(0.050);
+            if (i > 3 && std::isfinite(s.tracker.frequency_variance())) {
+                EXPECT_NEAR(s.error().frequency, 0.0, 5.0) << seed << ' ' << i;
+            }
+        }
+        EXPECT_TRUE(s.tracker.phase_locked()) << seed;
+        EXPECT_TRUE(std::isfinite(s.tracker.frequency_variance())) << seed;
+    }
+}
+
+/// With an aid the frequency is known from before the loss, much better than a weak signal tells it in half a second.
+TEST(Tracker, AidedItReturnsToTheFrequencyItHad) {
+    TrackingSettings narrow;
+    narrow.pll_bandwidth = 3.0;
+    narrow.integration = 20;
+    int back = 0;
+    for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+        Scene s(narrow, gps_l1_ca(), seed);
+        s.aided = true;
+        s.aid_error = 0.3;
+        s.tracker.start(s.aligned(), 0);
+        s.run(4.0);
+        ASSERT_TRUE(s.tracker.phase_locked()) << seed;
+        s.cn0_db = [](double) { return 5.0; };
+        s.run(4.0);
+        EXPECT_EQ(s.tracker.state(), TrackState::CodeOnly) << seed;
+        s.cn0_db = [](double) { return 27.0; };
+        for (int i = 0; i < 60; ++i) {
+            s.run(0.1);
+            if (!std::isfinite(s.tracker.frequency_variance())) continue;
+            EXPECT_NEAR(s.error().frequency, 0.0, 4.0) << seed << ' ' << i;
+            back += i == 59 ? 1 : 0;
+        }
+    }
+    EXPECT_GE(back, 11);
+}
+
 TEST(Tracker, RefusesSettingsThatCannotWork) {
     const CorrelationPeak peak(1.023e6);
     const auto refused = [&](auto change) {

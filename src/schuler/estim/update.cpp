@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace schuler::estim {
 
@@ -15,30 +16,18 @@ using detail::load;
 using detail::store;
 using detail::Vec4;
 
-/// The non-zero entries of a row.
-struct Entries {
-    std::array<int, Row::dense + Row::most> state;
-    std::array<double, Row::dense + Row::most> value;
-    std::size_t count = 0;
-
-    explicit Entries(const Row& h) {
-        for (int i = 0; i < Row::dense; ++i) add(i, h.head(i));
-        for (std::size_t k = 0; k < static_cast<std::size_t>(h.count); ++k) add(h.index[k], h.value[k]);
-    }
-    void add(int i, double x) {
-        if (x == 0.0) return;
-        state[count] = i;
-        value[count++] = x;
-    }
-};
+using Entries = detail::RowEntries;
 
 /// y = the sum of the entries times columns of M, `Vectors` vectors from x on.
 template <int Vectors, class Scalar>
 void combine_columns(const Entries& h, const Scalar* M, long stride, double* y) {
-    Vec4 sum[Vectors] = {};
+    Vec4 sum[Vectors];
+#pragma GCC unroll 12
+    for (int i = 0; i < Vectors; ++i) sum[i] = Vec4{};  // in registers: an initializer would clear memory
     for (std::size_t k = 0; k < h.count; ++k) {
         const Vec4 f = broadcast(h.value[k]);
         const Scalar* m = M + h.state[k] * stride;
+#pragma GCC unroll 12
         for (int i = 0; i < Vectors; ++i) sum[i] += f * load(m + 4 * i);
     }
     for (int i = 0; i < Vectors; ++i) store(y + 4 * i, sum[i]);
@@ -47,9 +36,12 @@ void combine_columns(const Entries& h, const Scalar* M, long stride, double* y) 
 /// The first `size` (a multiple of four) components of that.
 template <class Scalar>
 void combine(const Entries& h, const Scalar* M, long stride, int size, double* y) {
-    int v = 0;
-    for (; v + 16 <= size; v += 16) combine_columns<4>(h, M + v, stride, y + v);
-    for (; v < size; v += 4) combine_columns<1>(h, M + v, stride, y + v);
+    constexpr int most = 12;  // sums in registers
+    for (; size >= 4 * most; size -= 4 * most, M += 4 * most, y += 4 * most) combine_columns<most>(h, M, stride, y);
+    const auto rest = [&]<int... n>(std::integer_sequence<int, n...>) {
+        static_cast<void>(((size == 4 * (n + 1) && (combine_columns<n + 1>(h, M, stride, y), true)) || ...));
+    };
+    rest(std::make_integer_sequence<int, most - 1>{});
 }
 
 /// Four columns of Y, `Vectors` vectors of rows: Y - X F^T with `count` columns of X and F, all sums in registers; `finish(row,
@@ -61,13 +53,11 @@ void subtract_product(Scalar* y, long y_stride, const double* x, const double* f
     x += row;
     y += row;
     for (int k = 0; k < count; ++k, x += stride, f += stride) {
-        const Vec4 fa = broadcast(f[0]), fb = broadcast(f[1]), fc = broadcast(f[2]), fd = broadcast(f[3]);
-        for (int i = 0; i < Vectors; ++i) {
-            const Vec4 v = load(x + 4 * i);
-            sum[0][i] += v * fa;
-            sum[1][i] += v * fb;
-            sum[2][i] += v * fc;
-            sum[3][i] += v * fd;
+        Vec4 v[Vectors];
+        for (int i = 0; i < Vectors; ++i) v[i] = load(x + 4 * i);
+        for (int c = 0; c < 4; ++c) {
+            const Vec4 factor = broadcast(f[c]);
+            for (int i = 0; i < Vectors; ++i) sum[c][i] += v[i] * factor;
         }
     }
     for (int i = 0; i < Vectors; ++i) {
@@ -83,8 +73,19 @@ template <class Scalar, class Finish>
 void subtract_products(Scalar* y, long y_stride, const double* x, const double* f, long stride, int count, int size,
                        Finish&& finish) {
     int r = 0;
+    for (; r + 12 <= size; r += 12) subtract_product<3>(y, y_stride, x, f, stride, count, r, finish);
     for (; r + 8 <= size; r += 8) subtract_product<2>(y, y_stride, x, f, stride, count, r, finish);
     if (r < size) subtract_product<1>(y, y_stride, x, f, stride, count, r, finish);
+}
+
+/// Rows become columns.
+void transpose(Vec4* x) {
+    const Vec4 a = __builtin_shufflevector(x[0], x[1], 0, 4, 2, 6), b = __builtin_shufflevector(x[0], x[1], 1, 5, 3, 7),
+               c = __builtin_shufflevector(x[2], x[3], 0, 4, 2, 6), d = __builtin_shufflevector(x[2], x[3], 1, 5, 3, 7);
+    x[0] = __builtin_shufflevector(a, c, 0, 1, 4, 5);
+    x[1] = __builtin_shufflevector(b, d, 0, 1, 4, 5);
+    x[2] = __builtin_shufflevector(a, c, 2, 3, 6, 7);
+    x[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
 }
 
 /// Four scalars of an epoch: the inverse of the diagonal of L, the elements below it, and their whitened innovations.
@@ -107,7 +108,9 @@ struct FourPivots {
 
 StateVector Row::times(const StateMatrix& P, int used) const {
     StateVector ph(P.rows());
-    combine(Entries(*this), P.data(), P.rows(), used, ph.data());
+    Entries entries;
+    entries.assign(*this);
+    combine(entries, P.data(), P.rows(), used, ph.data());
     ph.tail(P.rows() - used).setZero();
     return ph;
 }
@@ -144,50 +147,70 @@ RowUpdate update(StateVector& dx, StateMatrix& P, const Row& h, double innovatio
 }
 
 void EpochUpdate::add(const Row& h, double innovation, double r) {
-    const int k = count_++, lane = k % 4;
-    const Entries entries(h);
-    double* column = &G_(0, k);
-    combine(entries, P_.data(), P_.rows(), used_, column);
-    double* of_state = &by_state_(k, 0);
-    for (int i = 0; i < used_; ++i, of_state += states_stride) {
-        if (lane == 0) store(of_state, Vec4{column[i], 0.0, 0.0, 0.0});
-        else *of_state = column[i];
-    }
-    alignas(32) double products[most];  // h P H^T for all scalars up to this one
-    combine(entries, by_state_.data(), states_stride, padded(k + 1), products);
-    for (int i = 0; i <= k; ++i) G_(used_ + k, i) = products[i];
-    for (int i = k - lane; i < k; ++i) G_(used_ + i, k) = 0.0;
+    const int k = count_++;
+    Entries& entries = four_[static_cast<std::size_t>(k % 4)];
+    entries.assign(h);
+    combine(entries, P_.data(), P_.rows(), used_, &G_(0, k));
     innovation_[static_cast<std::size_t>(k)] = innovation;
     s_[static_cast<std::size_t>(k)] = r;
+    if (k % 4 == 3) multiply_four(k - 3);
+}
+
+void EpochUpdate::multiply_four(int first) {
+    const auto place = [](auto& matrix, int row, int column, const Vec4* x) {  // four rows
+        for (int k = 0; k < 4; ++k) store(&matrix(row, column + k), x[k]);
+    };
+    Vec4 x[4];
+    for (int i = 0; i < used_; i += 4) {
+        for (int k = 0; k < 4; ++k) x[k] = load(&G_(i, first + k));
+        transpose(x);
+        place(by_state_, first, i, x);
+    }
+    alignas(32) double products[4][most];  // h P H^T for all scalars up to these
+    for (std::size_t k = 0; k < 4; ++k) combine(four_[k], by_state_.data(), states_stride, first + 4, products[k]);
+    for (int i = 0; i < first + 4; i += 4) {
+        for (int k = 0; k < 4; ++k) x[k] = load(products[k] + i);
+        transpose(x);
+        place(G_, used_ + first, i, x);
+    }
+    for (int k = 1; k < 4; ++k)
+        for (int i = 0; i < k; ++i) G_(used_ + first + i, first + k) = 0.0;
 }
 
 StateVector EpochUpdate::solve() {
-    const int whole = padded(count_), end = used_ + whole;
-    G_.block(0, count_, end, whole - count_).setZero();
-    G_.block(used_ + count_, 0, whole - count_, count_).setZero();
+    const int whole = padded(count_);
     double *z = innovation_.data(), *s = s_.data();
+    if (count_ < whole) {
+        G_.block(0, count_, used_, whole - count_).setZero();
+        for (int k = count_; k < whole; ++k) four_[static_cast<std::size_t>(k % 4)].count = 0;
+        multiply_four(whole - 4);
+    }
     std::fill(z + count_, z + whole, 0.0);
     StateVector dx = StateVector::Zero(P_.rows());
     for (int c = 0; c < whole; c += 4) {
         double *columns = &G_(0, c), *diagonal = &G_(used_ + c, c);
         const double *before = G_.data(), *factors = before + used_ + c;
         subtract_products(diagonal, rows, factors, factors, rows, c, 4, [](int, Vec4*) {});
-        FourPivots f;
-        for (int k = 0; k < 4 && c + k < count_; ++k) {
-            double pivot = diagonal[k * rows + k];
+        const int here = std::min(4, count_ - c);
+        double below[4][4];  // the elements of L times their pivots' roots: the roots, which take long, are not waited for
+        for (int k = 0; k < here; ++k) {
+            double pivot = diagonal[k * rows + k], share[4];
             for (int j = 0; j < k; ++j) {
-                pivot -= f.l[k][j] * f.l[k][j];
-                z[c + k] -= f.l[k][j] * f.y[j];
+                share[j] = below[k][j] / s[c + j];
+                pivot -= share[j] * below[k][j];
+                z[c + k] -= share[j] * z[c + j];
             }
-            pivot += s[c + k];  // the noise is added last: it may be small relative to the rest
-            s[c + k] = pivot;
-            f.inverse[k] = 1.0 / std::sqrt(pivot);
+            s[c + k] += pivot;  // the noise is added last: it may be small relative to the rest
+            for (int i = k + 1; i < here; ++i) {
+                below[i][k] = diagonal[k * rows + i];
+                for (int j = 0; j < k; ++j) below[i][k] -= below[i][j] * share[j];
+            }
+        }
+        FourPivots f;
+        for (int k = 0; k < here; ++k) {
+            f.inverse[k] = 1.0 / std::sqrt(s[c + k]);
             f.y[k] = z[c + k] * f.inverse[k];
-            for (int i = k + 1; i < 4; ++i) {
-                double l = diagonal[k * rows + i];
-                for (int j = 0; j < k; ++j) l -= f.l[i][j] * f.l[k][j];
-                f.l[i][k] = l * f.inverse[k];
-            }
+            for (int i = k + 1; i < here; ++i) f.l[i][k] = below[i][k] * f.inverse[k];
         }
         subtract_products(columns, rows, before, factors, rows, c, used_, [&](int r, Vec4* x) {
             f.divide(x);
@@ -217,10 +240,14 @@ void EpochUpdate::apply(StateMatrix& P) const {
     const long stride = P.rows();
     for (int c = 0; c < used_; c += 4) {
         const double* g = G_.data() + c;
-        subtract_products(P.data() + c * stride + c, stride, g, g, rows, count_, used_ - c, [](int, Vec4*) {});
+        // blocks of four columns and rows, the first of them on the diagonal, which is symmetric as its products are
+        subtract_products(P.data() + c * stride + c, stride, g, g, rows, count_, used_ - c, [&](int r, Vec4* x) {
+            if (r == 0) return;
+            Vec4 mirrored[4] = {x[0], x[1], x[2], x[3]};
+            transpose(mirrored);
+            for (int k = 0; k < 4; ++k) store(P.data() + (c + r + k) * stride + c, mirrored[k]);
+        });
     }
-    for (int c = 0; c < used_; ++c)
-        for (int r = c + 1; r < used_; ++r) P(c, r) = P(r, c);
 }
 
 void correct_covariance(StateMatrix& P, const StateVector& k, const StateVector& ph, double s, int used) {

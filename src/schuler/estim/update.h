@@ -40,6 +40,28 @@ struct Row {
     [[nodiscard]] StateVector whole(Eigen::Index size) const;
 };
 
+namespace detail {
+
+/// The entries of a row that are not zero.
+struct RowEntries {
+    std::array<int, Row::dense + Row::most> state;
+    std::array<double, Row::dense + Row::most> value;
+    std::size_t count = 0;
+
+    void assign(const Row& h) {
+        count = 0;
+        for (int i = 0; i < Row::dense; ++i) add(i, h.head(i));
+        for (std::size_t k = 0; k < static_cast<std::size_t>(h.count); ++k) add(h.index[k], h.value[k]);
+    }
+    void add(int i, double x) {
+        if (x == 0.0) return;
+        state[count] = i;
+        value[count++] = x;
+    }
+};
+
+}  // namespace detail
+
 /// Record of one scalar update, sufficient to undo it in the backward pass of the smoother.
 struct RowUpdate {
     Row h;
@@ -74,12 +96,16 @@ public:
     void apply(StateMatrix& P) const;
 
 private:
+    /// Scalars first to first + 3 have been added: their rows of by_state_ and of H P H^T.
+    void multiply_four(int first);
+
     static constexpr int rows = max_states + most,
                          states_stride = most + 4;  // 4: places the columns of one state in different cache sets
 
     const StateMatrix& P_;
     int used_, count_ = 0;
     std::array<double, most> innovation_, s_;
+    std::array<detail::RowEntries, 4> four_;  // rows of the last scalars, until multiply_four()
     /// P H^T and below it (from row `used` on) the lower triangle of H P H^T; `solve` replaces them by G and L, with
     /// L L^T = H P H^T + R, G L^T = P H^T: the covariance is then P - G G^T. Column k of G is the gain of scalar k times sqrt(s).
     Eigen::Matrix<double, rows, most> G_;

@@ -39,7 +39,7 @@ Bank::Channel::Channel(const SignalStructure& signal_, const BankSettings& setti
                                                              : settings.alone.spacing)),
       noise(seed, "bank.noise." + std::to_string(number)),
       message(seed, "bank.message." + std::to_string(number)),
-      tracker(signal_, peak, settings.guidance == Guidance::Loops ? settings.aided : settings.alone),
+      tracker(signal_, peak, settings.guidance == Guidance::Loops ? settings.aided : settings.alone, settings.oscillator.h0),
       deep(signal_, peak, settings.deep),
       symbol(static_cast<int>(std::lround(signal_.symbol_duration / period))),
       // the light times of the signals differ by tens of milliseconds
@@ -126,13 +126,13 @@ void Bank::step_alone(std::size_t i, const LineOfSight& truth, double cn0, bool 
         if (!view) ch.search.reset();
         if (!view || !search(i, truth, cn0)) return;
         // the coarse search of an autonomous receiver leaves a larger frequency error than sums over half symbols can resolve
-        ch.tracker.start(ch.search->replica(), guided ? std::optional(ch.phase) : std::nullopt);
+        ch.tracker.start(ch.search->replica(), guided ? std::optional(ch.phase) : std::nullopt, ch.search->uncertainty());
         ch.search.reset();
     }
     const ReplicaError error = replica_error(ch.signal, ch.tracker.replica(), truth, period);
     LineOfSight aid = predicted(i, now() + period);
     aid.rate -= predictions_[i].drift;
-    ch.tracker.step(ch.model.dump(error, cn0, period, ch.sign, ch.noise), guided ? &aid : nullptr);
+    ch.tracker.step(ch.model.dump(error, cn0, period, ch.sign, ch.noise), guided ? &aid : nullptr, predictions_[i].std_rate);
 }
 
 void Bank::step_deep(std::size_t i, const LineOfSight& truth, double cn0, bool view) {
@@ -212,15 +212,16 @@ void Bank::measure(std::vector<BankMeasurement>& out, double interval) {
         if (!locked && !code_only) continue;
         const TrackingSettings& s = settings_.guidance == Guidance::Loops ? settings_.aided : settings_.alone;
         const LineOfSight here = ch.tracker.motion().after(-late);
-        const double dll = locked ? s.dll_bandwidth : s.code_only_dll, sum = (locked ? s.integration : ch.symbol) * period;
+        const double dll = locked ? s.dll_bandwidth : s.code_only_dll;
         m.cn0 = std::max(ch.tracker.cn0(), 10.0);
         // a loop's output changes once in 1/(2 bandwidth): read more often each value has less information
         m.range = here.range;
-        const double jitter = theory::dll_jitter(dll, m.cn0, sum, ch.peak, s.spacing, s.discriminator);
-        m.range_variance = std::pow(ch.signal.chip_length() * jitter, 2) * std::max(1.0, 1.0 / (2.0 * dll * interval));
-        if (locked) {
+        m.range_variance =
+            std::pow(ch.signal.chip_length(), 2) * ch.tracker.code_variance() * std::max(1.0, 1.0 / (2.0 * dll * interval));
+        const double frequency_variance = ch.tracker.frequency_variance();
+        if (locked && std::isfinite(frequency_variance)) {
             m.rate = here.rate;
-            m.rate_variance = std::pow(ch.signal.wavelength() * theory::pll_command_jitter(response_, m.cn0, sum), 2);
+            m.rate_variance = std::pow(ch.signal.wavelength(), 2) * frequency_variance;
             m.rate_span = 1.0 / (response_.clock_common + response_.clock_own);
         }
         out.push_back(m);

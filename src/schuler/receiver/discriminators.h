@@ -53,9 +53,20 @@ public:
     [[nodiscard]] double unlimited(const Correlators& c, double power) const { return difference(c) / (gain_ * power); }
     /// Variance of unlimited() for an aligned replica, chips^2: signal times noise and noise times noise, both linear in the
     /// noise of late minus early.
-    [[nodiscard]] double variance(double power) const {
+    [[nodiscard]] double variance(double power) const { return variance(power, power); }
+    /// The same if the signal has another power than is `assumed` for the normalisation; the slope is then power / assumed.
+    [[nodiscard]] double variance(double power, double assumed) const {
         const double products = kind_ == CodeDiscriminator::EarlyLatePower ? 4.0 * squared_ : 2.0 * squared_;
-        return noise_ * (amplitude_ * amplitude_ * power + products) / (gain_ * gain_ * power * power);
+        return noise_ * (amplitude_ * amplitude_ * power + products) / (gain_ * gain_ * assumed * assumed);
+    }
+    /// Mean slope and variance (chips^2) of the limited error operator() if the unlimited one scatters by `sigma` chips.
+    struct Limited {
+        double slope, variance;
+    };
+    [[nodiscard]] Limited limited(double sigma) const {
+        const double a = limit_ / sigma, inside = std::erf(a / std::numbers::sqrt2);
+        return {inside, sigma * sigma * (inside - a * std::sqrt(2.0 / std::numbers::pi) * std::exp(-a * a / 2.0)) +
+                            limit_ * limit_ * (1.0 - inside)};
     }
 
 private:

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <numbers>
 
 namespace schuler::receiver {
 
@@ -40,6 +41,48 @@ private:
     double interval_ = 0.0, gain_ = 0.0, mean_gain_ = 0.0;
 };
 
+/// C/N0 of the last prompts, to tell where an average no longer describes the noise of a loop: a signal that fades or breaks off. The
+/// averaging time is the memory of the loop, 1/(2 bandwidth). The amplitude of a prompt has unit noise: one that is smaller than
+/// expected by more than that allows restarts the mean, since an average takes long to forget a strong signal.
+class FadingCn0 {
+public:
+    /// @param interval s per prompt; @param time_constant s; @param peak R0 = R(0) of the front end; @param guess initial, Hz.
+    FadingCn0(double interval, double time_constant, double peak, double guess)
+        : time_constant_(time_constant), peak_(peak), cn0_(guess) {
+        change_interval(interval);
+    }
+
+    void add(std::complex<double> prompt) {
+        constexpr double breaks_off = 3.0;  // sigmas
+        const double unit = 2.0 * interval_ * peak_, power = std::norm(prompt) / peak_, now = (power - 2.0) / unit;
+        if (std::sqrt(power) + breaks_off < std::sqrt(unit * std::max(0.0, cn0_))) cn0_ = now;
+        else cn0_ += gain_ * (now - cn0_);
+    }
+    void change_interval(double interval) {
+        interval_ = interval;
+        gain_ = std::min(1.0, interval / time_constant_);
+    }
+    /// The C/N0 to be assumed for the noise of the last prompts, Hz: `averaged`, or if the mean of the last ones differs from it by
+    /// more than its scatter explains, this mean. Not below 1 Hz.
+    [[nodiscard]] double recent(double averaged) const { return differs(averaged) ? std::max(1.0, cn0_) : averaged; }
+    /// The same, but of a mean that differs what is surely there: without a signal the mean scatters about zero.
+    [[nodiscard]] double surely(double averaged) const {
+        return differs(averaged) ? std::clamp(cn0_ - scatters * scatter(std::max(0.0, cn0_)), 0.0, averaged) : averaged;
+    }
+
+private:
+    static constexpr double scatters = 3.0;  // sigmas
+    /// One sigma of the mean, Hz, of prompts of this C/N0.
+    [[nodiscard]] double scatter(double cn0) const {
+        const double unit = 2.0 * interval_ * peak_;
+        return 2.0 * std::sqrt((unit * cn0 + 1.0) * gain_ / (2.0 - gain_)) / unit;
+    }
+    [[nodiscard]] bool differs(double averaged) const { return std::abs(cn0_ - averaged) > scatters * scatter(averaged); }
+
+    double time_constant_, peak_, cn0_;
+    double interval_ = 0.0, gain_ = 0.0;
+};
+
 /// Narrow-band difference over narrow-band power, the low-passed (I^2 - Q^2) / (I^2 + Q^2) [VanDierendonck1996]: near cos(2 phi)
 /// for a tracked carrier, near zero for noise or another frequency.
 class PhaseLockDetector {
@@ -54,6 +97,37 @@ public:
 
 private:
     double gain_, difference_ = 0.0, power_ = 0.0;
+};
+
+/// Rotation of the prompts of single code periods, which no message and no phase loop conceals: a Costas loop also locks half a cycle
+/// a sum away from the signal.
+class PromptRotation {
+public:
+    /// @param period s per prompt; @param peak R0 = R(0) of the front end.
+    PromptRotation(double period, double peak) : period_(period), peak_(peak) {}
+
+    void restart() {
+        sum_ = last_ = 0.0;
+        count_ = 0;
+    }
+    void add(std::complex<double> prompt) {
+        sum_ += prompt * std::conj(last_);
+        last_ = prompt;
+        ++count_;
+    }
+    /// Mean frequency since the restart, Hz, replica minus signal; within +-1/(2 period).
+    [[nodiscard]] double frequency() const { return -std::arg(sum_) / (2.0 * std::numbers::pi * period_); }
+    /// One sigma of it, Hz: a product of neighbours, of power P over the noise, has the variance 2 P + 2 across its mean P. P is that of
+    /// the sum itself if this is less than `cn0` says.
+    [[nodiscard]] double std(double cn0) const {
+        const double n = std::max(1, count_), power = std::min(2.0 * cn0 * period_ * peak_, std::abs(sum_) / (n * peak_));
+        return std::sqrt((2.0 * power + 2.0) / n) / power / (2.0 * std::numbers::pi * period_);
+    }
+
+private:
+    double period_, peak_;
+    std::complex<double> sum_ = 0.0, last_ = 0.0;
+    int count_ = 0;
 };
 
 /// Location of the sign changes of the message: for each possible location the products of successive prompts are accumulated,

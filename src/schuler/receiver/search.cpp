@@ -74,6 +74,8 @@ bool Search::step(const LineOfSight& truth, double cn0, math::Random& random, co
         for (int beside = -2; beside <= 2; ++beside) {
             Replica cell = *candidate_;
             cell.carrier_frequency += beside * frequency_step_;
+            // beside the window noise would be taken for it
+            if (std::abs(cell.carrier_frequency - begin.carrier_frequency) > (0.5 * bins_ + 0.01) * frequency_step_) continue;
             cell.code_rate = cell.carrier_frequency * signal_.chips_per_cycle();
             const double power = power_in(cell, truth, cn0, random);
             if (power <= largest) continue;

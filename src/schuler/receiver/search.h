@@ -2,6 +2,7 @@
 #pragma once
 
 #include "schuler/receiver/correlator.h"
+#include "schuler/receiver/loop_error.h"
 
 #include <optional>
 
@@ -45,6 +46,10 @@ public:
     /// which the next dwell tests together with its neighbours in frequency: true if confirmed; replica() is then the largest at
     /// the end of the dwell. An `aid` moves the window by the change of its rate.
     bool step(const LineOfSight& truth, double cn0, math::Random& random, const LineOfSight* aid = nullptr);
+    /// Of the replica of a signal found: cells and bins about it.
+    [[nodiscard]] ReplicaUncertainty uncertainty() const {
+        return {settings_.code_step / std::sqrt(12.0), frequency_step_ / std::sqrt(12.0)};
+    }
     [[nodiscard]] const Replica& replica() const { return centre_; }
     [[nodiscard]] double elapsed() const { return elapsed_; }                ///< s
     [[nodiscard]] double frequency_step() const { return frequency_step_; }  ///< Hz

@@ -3,6 +3,7 @@
 
 #include "schuler/receiver/discriminators.h"
 #include "schuler/receiver/lock.h"
+#include "schuler/receiver/loop_error.h"
 #include "schuler/receiver/loops.h"
 
 #include <array>
@@ -48,13 +49,15 @@ enum class TrackState {
 /// the inertial rate when it is lost [PaperA:1.1].
 class Tracker {
 public:
-    Tracker(const SignalStructure& signal, const CorrelationPeak& peak, const TrackingSettings& settings);
+    /// `clock_h0`: s, white frequency noise of the receiver's oscillator, as its maker states it (OscillatorSettings::h0).
+    Tracker(const SignalStructure& signal, const CorrelationPeak& peak, const TrackingSettings& settings, double clock_h0 = 0.0);
 
     /// Start after a search. `dumps_into_symbol`: given if time is known much better than a code period, as after a short outage;
     /// the carrier is then pulled in over half symbols, which requires 10 dB less.
-    void start(const Replica& replica, std::optional<int> dumps_into_symbol = {});
+    void start(const Replica& replica, std::optional<int> dumps_into_symbol = {}, const ReplicaUncertainty& uncertainty = {});
     /// Ends the code period just correlated; `aid` is the inertial pseudorange motion at this instant, null if there is none.
-    void step(const Correlators& dump, const LineOfSight* aid = nullptr);
+    /// `std_rate`: m/s, one sigma of its rate.
+    void step(const Correlators& dump, const LineOfSight* aid = nullptr, double std_rate = 0.0);
     /// Advances by `dt` s without a dump, possibly negative: dumps of samples start with the code, not at every millisecond.
     void pass(double dt) { replica_ = replica_.after(dt); }
 
@@ -67,6 +70,14 @@ public:
     [[nodiscard]] double phase_lock() const { return lock_.value(); }
     [[nodiscard]] double cn0() const { return cn0_.cn0(); }  ///< Hz
     [[nodiscard]] int dumps_into_symbol() const { return dump_; }
+
+    /// Variance of the code of motion(), chips^2, from the loops' equations and the strength of the signal (loop_error.h).
+    [[nodiscard]] double code_variance() const { return error_.code_variance(); }
+    /// Jitter of the phase, cycles: noise of loop and oscillator, and a third of the dynamic stress [Kaplan2017].
+    [[nodiscard]] double phase_jitter() const;
+    /// Variance of the carrier frequency, Hz^2, without the oscillator's noise; infinite while the phase is not followed: beyond
+    /// phase_threshold.
+    [[nodiscard]] double frequency_variance() const;
 
 private:
     enum class Mode { Idle, Blind, Aligned, Assisted, Phase, CodeOnly, Lost };
@@ -82,6 +93,10 @@ private:
     void transitions();
     void command();
     bool leave_false_lock();
+    bool slipped_to_false_lock();
+    [[nodiscard]] double false_step() const;  ///< Hz, between the frequencies at which the phase loop locks
+    void follow_error(double phase, double assumed);
+    [[nodiscard]] const LoopModel& model() const;
     [[nodiscard]] int dumps_per_update() const;
     [[nodiscard]] const CarrierLoop& carrier() const;
     [[nodiscard]] std::array<CarrierLoop*, 5> loops() { return {&blind_, &listening_, &aligned_, &assisted_, &phase_}; }
@@ -94,15 +109,26 @@ private:
     CodeError code_error_;
     CarrierLoop blind_, listening_, aligned_, assisted_, phase_;
     CodeLoop code_blind_, code_aligned_, code_phase_, code_only_;
+    LoopModel of_blind_, of_listening_, of_aligned_, of_assisted_, of_phase_, of_code_only_;
+    LoopError error_;
+    PhaseStress stress_;
+    double threshold_ = 0.0;    ///< cycles, of phase_jitter()
+    double clock_phase_ = 0.0;  ///< cycles^2, of the oscillator
     Cn0Estimator cn0_;
+    FadingCn0 fading_;
     PhaseLockDetector lock_;
     SymbolSync sync_;
 
     Replica replica_;
     Mode mode_ = Mode::Idle;
     Sums sums_;
-    std::complex<double> before_ = 0.0;             ///< prompt of the last update, for the assisting frequency loop
-    std::complex<double> slip_ = 0.0, last_ = 0.0;  ///< rotation of the prompts of single code periods while the phase is locking
+    std::complex<double> before_ = 0.0;  ///< prompt of the last update, for the assisting frequency loop
+    PromptRotation rotation_;
+    double opened_ = 0.0, opened_variance_ = 0.0;  ///< Hz, Hz^2, the loop's frequency when it began to lock
+    bool anchored_ = false;                        ///< the settled frequency is the signal's
+    bool followed_ = false;                        ///< in phase: the jitter is that of a loop that follows
+    bool verified_ = false;                        ///< in phase: not half a cycle a sum off
+    double std_aid_ = 0.0;                         ///< m/s
     int dump_ = 0;
     int attempts_ = 0, escapes_ = 0;
     double time_in_mode_ = 0.0, unlocked_ = 0.0, weak_ = 0.0;

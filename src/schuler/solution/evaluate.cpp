@@ -26,6 +26,10 @@ bool has_position(const std::vector<ReferenceSample>& reference) {
     return std::ranges::any_of(reference, [](const ReferenceSample& s) { return s.position.lat == s.position.lat; });
 }
 
+bool has_attitude(const std::vector<ReferenceSample>& reference) {
+    return std::ranges::any_of(reference, [](const ReferenceSample& s) { return s.rpy.allFinite(); });
+}
+
 /// True if the reference agrees with the fixes. An autopilot's own estimate may use another height reference: outages are then
 /// evaluated with the withheld fixes.
 bool among_the_fixes(const LoadedDataset& data, const std::vector<ReferenceSample>& reference) {
@@ -103,17 +107,21 @@ std::vector<ReferenceSample> comparable(const std::vector<SolutionRow>& rows, co
     return 2 * out.size() >= smaller ? out : reference;
 }
 
-/// The reference of the point whose motion the solution is. Where its attitude is missing it is that of the IMU.
-std::vector<ReferenceSample> reference_of_solution(const LoadedDataset& data, Evaluation& out) {
-    const std::vector<ReferenceSample>& own = data.recording.reference;
-    const Eigen::Vector3d& lever_arm_b = data.config.filter.gnss.lever_arm_b;
-    if (data.config.scheme != settings::Scheme::Gnss || lever_arm_b.isZero(0.0) || !has_position(own)) return own;
-    std::vector<ReferenceSample> moved = analysis::reference_at(data.config.filter.earth, own, lever_arm_b);
-    out.at_another_point = moved.empty();
-    return out.at_another_point ? own : moved;
+/// The solution is the motion of the antenna, the reference that of the IMU.
+bool of_two_points(const LoadedDataset& data) {
+    return data.config.scheme == settings::Scheme::Gnss && !data.config.filter.gnss.lever_arm_b.isZero(0.0) &&
+           has_position(data.recording.reference);
 }
 
 }  // namespace
+
+std::vector<ReferenceSample> reference_of_solution(const LoadedDataset& data) {
+    const std::vector<ReferenceSample>& own = data.recording.reference;
+    if (!of_two_points(data)) return own;
+    std::vector<ReferenceSample> moved =
+        analysis::reference_at(data.config.filter.earth, own, data.config.filter.gnss.lever_arm_b);
+    return moved.empty() ? own : moved;
+}
 
 Evaluation evaluate(const LoadedDataset& data, const fusion::Result& result, const HiddenTruth& truth) {
     Evaluation out;
@@ -122,7 +130,8 @@ Evaluation evaluate(const LoadedDataset& data, const fusion::Result& result, con
     const fusion::Trajectory& solution = smoothed ? result.smoothed : result.forward;
     out.settled = c.run.settle ? data.origin + Duration::from_seconds(*c.run.settle)
                                : result.findings.aligned_at + Duration::from_seconds(default_settle);
-    const std::vector<ReferenceSample> reference = comparable(solution.rows, reference_of_solution(data, out));
+    const std::vector<ReferenceSample> reference = comparable(solution.rows, reference_of_solution(data));
+    out.at_another_point = of_two_points(data) && !has_attitude(data.recording.reference);
     if (!reference.empty()) {
         out.reference = data.true_reference ? "truth" : "file";
         out.errors = analysis::errors_against(c.filter.earth, solution.rows, reference);

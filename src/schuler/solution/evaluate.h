@@ -42,6 +42,10 @@ struct Evaluation {
     std::vector<StateErrors> states;                          ///< of the solution, once per second (simulated data)
 };
 
+/// The reference of the point whose motion the solution is: the antenna with scheme gnss. Where its attitude is missing it is that of the
+/// IMU.
+[[nodiscard]] std::vector<ReferenceSample> reference_of_solution(const LoadedDataset& data);
+
 /// Evaluates a result against the reference of the data set, or against withheld GNSS in outages if there is none. A solution of the antenna
 /// (scheme gnss) is compared with the reference at the antenna, where its attitude shows that.
 /// `truth`: of simulated data, empty otherwise.
