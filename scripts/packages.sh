@@ -28,7 +28,7 @@ test=(
     nodejs npm                      # build the page of `schuler ui`; where they are there in another way, they are not installed
     libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev
     clang-16 libclang-rt-16-dev     # libFuzzer and its run-time libraries
-    clang-format-16
+    clang-format-16 clang-tidy-16
     rtklib                          # convbin, rnx2rtkp: oracles, never linked
     chromium                        # opens the reports
     python3 python3-numpy python3-scipy
@@ -39,7 +39,6 @@ test=(
     mkdocs                          # scripts/site.sh
 )
 develop=(
-    clang-tidy-16
     gcovr                           # scripts/coverage.sh
     python3-mpmath                  # tests/theory/make_equator_table.py
 )
