@@ -131,6 +131,25 @@ TEST(StrayedPositions, NobodyIsNamedWhereTheWayDoesNotClose) {
     EXPECT_EQ(count(strayed_positions(velocities, earth)), 0u);
 }
 
+TEST(DisplacedPositions, StringsOfOnesThatComeBackAreNamed) {
+    const earth::Earth earth;
+    EXPECT_EQ(count(displaced_positions(drive(1.0, 0.0), earth)), 0u);
+    EXPECT_EQ(count(displaced_positions(drive(1.0, 0.0, false), earth)), 0u);
+    auto level = drive(0.5, 0.0);
+    stray(level, 200, 300, 40.0, 0.0);
+    auto height = drive(0.5, 0.0);
+    for (std::size_t i = 200; i < 300; ++i) height[i].position.h += 40.0;
+    for (const auto& fixes : {level, height}) {
+        const auto found = displaced_positions(fixes, earth);
+        for (std::size_t i = 0; i < fixes.size(); ++i) EXPECT_EQ(found[i], i >= 200 && i < 300) << i;
+    }
+    auto stays = drive(0.5, 0.0);
+    for (std::size_t i = 200; i < stays.size(); ++i) stays[i].position.h += 40.0;
+    auto single = drive(0.5, 0.0);  // the tails of the noise
+    for (std::size_t i = 20; i < single.size(); i += 50) single[i].position.h += 40.0;
+    for (const auto& fixes : {stays, single}) EXPECT_EQ(count(displaced_positions(fixes, earth)), 0u);
+}
+
 TEST(IdleHeights, OneNumberBesideVerticalVelocitiesIsNoHeight) {
     const earth::Earth earth;
     auto fixes = drive(1.0, 0.0);

@@ -281,6 +281,27 @@ TEST(Hypotheses, ASlowErrorFarBeyondTheReceiversModelIsCovered) {
     EXPECT_GT(o.at_end, 5.0);  // it is followed in part
 }
 
+/// Fixes a quarter of a second late where their latency is taken as known to two hundredths: either the sigma is in error or what the
+/// filter takes for a latency (an inertial unit in error leaves as much), and the position along the track differs by it.
+TEST(Hypotheses, ALatencyFarBeyondItsSigmaIsCovered) {
+    for (const double late : {0.0, 0.25}) {
+        Drive d = drive(59);
+        for (GnssFix& f : d.recording.gnss) f.time = f.time + Duration::from_seconds(late);
+        d.settings.gnss.latency_std = d.settings.gnss.velocity_latency_std = 0.02;
+        const Result r = fuse(d.recording, d.settings);
+        double n = 0.0, seconds = 0.0;
+        for (const SolutionRow& row : r.forward.rows) {
+            const double speed = row.v_eb_n.head<2>().norm();
+            if (age(d, row.time) < 0.0 || speed < 5.0) continue;
+            n += 1.0;
+            seconds += row.std_position.head<2>().norm() / speed;
+        }
+        ASSERT_GT(n, 100.0);
+        if (late > 0.0) EXPECT_GT(seconds / n, 0.2 * late);
+        else EXPECT_LT(seconds / n, 0.03);
+    }
+}
+
 TEST(Hypotheses, AnUndisturbedDriveAsksNobody) {
     const Outcome o = outcome(drive(46));
     EXPECT_TRUE(o.result.alerts.empty());

@@ -115,5 +115,31 @@ TEST(Tuning, ALatencyIsLookedForWithinWhatWasMeasuredOfIt) {
     }
 }
 
+// Noise that is to explain a string of wrong fixes opens the gates for them: the filter followed, tens of its sigmas away.
+TEST(Tuning, FixesThatWereElsewhereForAWhileAreNoNoise) {
+    sim::Scenario scenario = flight_in_curves(86, 0.0);
+    constexpr double white = 3.0, off = 30.0;  // m
+    scenario.gnss.white_position.setConstant(white);
+    Recording recording = sim::simulate(scenario).recording;
+    for (GnssFix& f : recording.gnss) {
+        f.std_position.setConstant(not_given);
+        const double t = (f.time - scenario.origin).seconds();
+        if (t >= 70.0 && t < 90.0) f.position.h += off;
+    }
+    Settings settings = settings_of(scenario);
+    settings.vehicle = VehicleKind::Air;
+    settings.imu.estimate_noise = settings.gnss.estimate_std = true;
+    const Result r = fuse(recording, settings);
+    EXPECT_LT(r.findings.in_force->gnss.default_std_position.z(), 1.5 * white);
+    std::size_t wrong = 0;
+    for (const SolutionRow& row : r.forward.rows) {
+        const auto truth = std::ranges::lower_bound(recording.reference, row.time, {}, &ReferenceSample::time);
+        if (truth == recording.reference.end()) continue;
+        const double error = std::abs(row.position.h - truth->position.h);
+        wrong += error > std::max(1.0, 5.0 * row.std_position.z()) ? 1 : 0;
+    }
+    EXPECT_LT(static_cast<double>(wrong), 0.02 * static_cast<double>(r.forward.rows.size()));
+}
+
 }  // namespace
 }  // namespace schuler::fusion

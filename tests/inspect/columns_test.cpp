@@ -29,6 +29,20 @@ TEST(Columns, AccelerometersThatAreAllReversedAreTurnedRound) {
     EXPECT_LT(number_of(r, "imu.mounting_deg"), 3.0);
 }
 
+// Over two seconds positions with a noise of metres disagree with the velocities in either order.
+TEST(Columns, ExchangedLatitudeAndLongitudeOfANoisyReceiver) {
+    for (const bool exchanged : {true, false}) {
+        const auto folder = fresh_folder("exchanged_noisy");
+        CarLog car;
+        car.position_noise = 2.5;
+        if (exchanged) car.gnss_header = "time_s,lon_deg,lat_deg,height_m,vel_n_m_s,vel_e_m_s,vel_d_m_s";
+        write_car(folder, car);
+        const InspectReport r = inspect(folder);
+        EXPECT_EQ(is_doubted(r, "latitude and longitude are exchanged"), exchanged);
+        EXPECT_EQ(fact(r, "gnss.columns") != nullptr, exchanged);
+    }
+}
+
 TEST(Columns, ExchangedAccelerometersAreRead) {
     const auto folder = fresh_folder("exchanged");
     CarLog car;

@@ -1,6 +1,7 @@
 // Single rows that cannot be: they cost themselves, counted and told, and nothing else.
 #include "io/io_fixture.h"
 
+#include "schuler/core/units.h"
 #include "schuler/io/formats.h"
 #include "schuler/io/text/csv/csv_recording.h"
 #include "schuler/io/text/fix_codes.h"
@@ -9,7 +10,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <string>
+#include <vector>
 
 namespace schuler::io {
 namespace {
@@ -60,6 +64,56 @@ TEST_F(Accidents, APauseIsNoAccident) {
     const std::vector<std::int64_t> before = times;
     EXPECT_FALSE(repair_times(times).any());
     EXPECT_EQ(times, before);
+}
+
+// Stamps of a clock that is off for a while contradict the order of the rows when it steps back; sorted they would lie among others.
+TEST_F(Accidents, AClockThatStepsAwayAndBackIsTakenBack) {
+    constexpr std::int64_t step = 200'000'000, second = 1'000'000'000;
+    std::vector<std::int64_t> right;
+    for (int i = 0; i < 300; ++i)
+        if (i != 115) right.push_back(i * step);  // one lost in between
+    for (const std::int64_t off : {second, -second, 3600 * second, -7 * second / 10}) {
+        std::vector<std::int64_t> times = right;
+        for (std::size_t i = 100; i < 150; ++i) times[i] += off;
+        const TimeRepair repair = repair_times(times);
+        EXPECT_EQ(times, right) << off;
+        EXPECT_EQ(repair.excursions, 1U) << off;
+        EXPECT_EQ(repair.away, 50U) << off;
+        EXPECT_EQ(repair.first_away, 100U) << off;
+        EXPECT_EQ(repair.step, off) << off;
+    }
+    EXPECT_FALSE(repair_times(right).any());
+}
+
+TEST_F(Accidents, RowsThatAreLateOrTwiceAreNoStepOfTheClock) {
+    std::vector<std::int64_t> right;
+    for (int i = 0; i < 300; ++i) right.push_back(i * std::int64_t{10'000'000});
+    const auto at = [](std::vector<std::int64_t>& rows, int i) { return rows.begin() + i; };
+    std::vector<std::int64_t> late = right, twice = right, gap = right, swapped = right;
+    std::rotate(at(late, 100), at(late, 150), at(late, 200));  // a block is written before the one before it
+    twice.insert(at(twice, 200), at(right, 100), at(right, 200));
+    gap.erase(at(gap, 100), at(gap, 150));  // a gap, and later a set clock: steps of different sizes
+    for (std::size_t i = 150; i < gap.size(); ++i) gap[i] -= 300'000'000;
+    for (std::size_t i = 10; i < 290; i += 10) std::swap(swapped[i], swapped[i + 1]);
+    for (std::vector<std::int64_t>* times : {&late, &twice, &gap, &swapped}) {
+        const std::vector<std::int64_t> before = *times;
+        EXPECT_EQ(repair_times(*times).excursions, 0U);
+        EXPECT_EQ(*times, before);
+    }
+}
+
+TEST_F(Accidents, AReceiversClockOffForAWhileMovesItsRows) {
+    std::string text = "time_s,lat_deg,lon_deg,height_m\n";
+    for (int i = 0; i < 100; ++i)
+        text += fmt::format("{:.1f},50.0{:02d},10.0,300\n", 1000.0 + 0.2 * i + (i >= 40 && i < 70 ? 1.0 : 0.0), i);
+    const GnssTable t = gnss(text);
+    ASSERT_EQ(t.fixes.size(), 100U);
+    EXPECT_EQ(t.rows.out_of_order, 0U);
+    EXPECT_EQ(t.rows.same_time, 0U);
+    for (std::size_t i = 0; i < 100; ++i)
+        EXPECT_NEAR(t.fixes[i].position.lat, (50.0 + 1e-3 * static_cast<double>(i)) * units::deg, 1e-12);
+    EXPECT_EQ(log.count("gnss.clock_away"), 30U);
+    EXPECT_NE(log.summary().front().find("line 42"), std::string::npos) << log.summary().front();
 }
 
 TEST_F(Accidents, CoarseStampsAreSpread) {

@@ -112,6 +112,9 @@ double beyond_model(double estimate, double sigma) {
     return sigma > 0.0 ? estimate * std::clamp(std::abs(estimate) / sigma - 2.0, 0.0, 1.0) : 0.0;
 }
 
+/// Stationary sigma of a state's process; 0 of one that has none.
+double stationary(const StateProcess& p) { return p.decay > 0.0 ? std::sqrt(0.5 * p.psd / p.decay) : 0.0; }
+
 template <class Frame>
 double speed_sigma(const InertialFilter<Frame>& filter) {
     return std::sqrt(filter.P.diagonal().template segment<3>(Layout::velocity).maxCoeff());
@@ -145,6 +148,13 @@ Matrix9 FilterRun<Frame>::undecided(const InertialModel& model) const {
         for (int i = 0; i < 3; ++i) d(i) = undecided_part * beyond_model(estimate(i), model.gnss.correlated_position(i));
         const double horizontal = d.head<2>().squaredNorm();
         P.diagonal().template head<3>() += Vector3d(horizontal, horizontal, d.z() * d.z());
+    }
+    // Likewise a latency far from what was measured or told of it: an inertial unit in error leaves as much between it and the fixes.
+    if (const int late = model.layout.gnss_latency; late >= 0) {
+        const double estimate = filter.parameters(late) - filter.error(late);
+        const double seconds = undecided_part * beyond_model(estimate, stationary(model.process[static_cast<std::size_t>(late)]));
+        const Vector3d d = seconds * filter.geographic(model).v_eb_n;
+        P.template topLeftCorner<3, 3>() += d * d.transpose();
     }
     for (std::size_t k = 0; k < fixes.size(); ++k) {
         const FixChannel& c = fixes[k];

@@ -58,6 +58,10 @@ public:
     [[nodiscard]] Vector2d way(std::size_t from, std::size_t to) const {
         return earth::ned_difference(earth_, fix(to).position, fix(from).position).head<2>();
     }
+    /// Displacement down, m.
+    [[nodiscard]] double descent(std::size_t from, std::size_t to) const {
+        return earth::ned_difference(earth_, fix(to).position, fix(from).position).z();
+    }
     /// Displacement from the stated velocities; missing ones count as zero.
     [[nodiscard]] Vector2d way_by_velocities(std::size_t from, std::size_t to) const {
         Vector2d sum = Vector2d::Zero();
@@ -164,19 +168,24 @@ bool has_idle_heights(const std::vector<GnssFix>& fixes, const earth::Earth& ear
 
 namespace {
 
-/// Positions minus the path from the stated velocities. Constant if both are correct.
+enum class Direction { Horizontal, Vertical };
+
+/// Positions minus the path from the stated velocities, north and east, or down. Constant if both are correct.
 class Misclosure {
 public:
-    Misclosure(const std::vector<GnssFix>& fixes, const earth::Earth& earth) : track_(fixes, earth) {
+    Misclosure(const std::vector<GnssFix>& fixes, const earth::Earth& earth, Direction direction)
+        : vertical_(direction == Direction::Vertical), track_(fixes, earth) {
         const std::size_t n = track_.size();
         off_.assign(n, Vector2d::Zero());
         broken_.assign(n, false);
         std::vector<double> steps, drifts;
         for (std::size_t k = 1; k < n; ++k) {
             const double dt = track_.seconds(k - 1, k);
-            broken_[k] = !(dt > 0.0 && dt < longest_step && velocity(k - 1).allFinite() && velocity(k).allFinite());
+            const Vector2d way = vertical_ ? Vector2d(track_.descent(k - 1, k), 0.0) : track_.way(k - 1, k);
+            broken_[k] =
+                !(dt > 0.0 && dt < longest_step && way.allFinite() && velocity(k - 1).allFinite() && velocity(k).allFinite());
             if (broken_[k]) continue;
-            off_[k] = off_[k - 1] + track_.way(k - 1, k) - 0.5 * dt * (velocity(k - 1) + velocity(k));
+            off_[k] = off_[k - 1] + way - 0.5 * dt * (velocity(k - 1) + velocity(k));
             steps.push_back((off_[k] - off_[k - 1]).norm());
         }
         for (std::size_t from = 0, k = 1; k < n; ++k) {
@@ -222,9 +231,13 @@ private:
     static constexpr double latency = 0.5;                                           // s, of position relative to velocity
     static constexpr std::size_t around = 5;
 
-    [[nodiscard]] Vector2d velocity(std::size_t k) const { return track_.fix(k).velocity_n.head<2>(); }
+    [[nodiscard]] Vector2d velocity(std::size_t k) const {
+        const Vector3d& v = track_.fix(k).velocity_n;
+        return vertical_ ? Vector2d(v.z(), 0.0) : Vector2d(v.head<2>());
+    }
     [[nodiscard]] double noise(std::size_t k) const {
-        const double stated = track_.fix(k).std_position.head<2>().norm();
+        const Vector3d& sigma = track_.fix(k).std_position;
+        const double stated = vertical_ ? sigma.z() : sigma.head<2>().norm();
         return std::max(scatter_, std::isfinite(stated) ? std::min(stated, 10.0) : 0.0);
     }
     [[nodiscard]] double agreed(std::size_t back, std::size_t k) const {
@@ -246,6 +259,7 @@ private:
         return first;
     }
 
+    bool vertical_;  // the second components are zero
     Track track_;
     std::vector<Vector2d> off_;
     std::vector<bool> broken_;  // displacement to this fix unknown
@@ -256,7 +270,7 @@ private:
 }  // namespace
 
 std::vector<bool> strayed_positions(const std::vector<GnssFix>& fixes, const earth::Earth& earth) {
-    const Misclosure misclosure(fixes, earth);
+    const Misclosure misclosure(fixes, earth, Direction::Horizontal);
     const Track& track = misclosure.track();
     Marks strayed{std::vector<bool>(fixes.size(), false)};
     for (std::size_t k = 1; k < track.size(); ++k) {
@@ -266,6 +280,23 @@ std::vector<bool> strayed_positions(const std::vector<GnssFix>& fixes, const ear
     }
     strayed.settle(track.size());
     return strayed.marked;
+}
+
+std::vector<bool> displaced_positions(const std::vector<GnssFix>& fixes, const earth::Earth& earth) {
+    std::vector<bool> out(fixes.size(), false);
+    for (const Direction direction : {Direction::Horizontal, Direction::Vertical}) {
+        const Misclosure misclosure(fixes, earth, direction);
+        const Track& track = misclosure.track();
+        Marks displaced{std::vector<bool>(fixes.size(), false)};
+        for (std::size_t k = 1; k < track.size(); ++k) {
+            if (!misclosure.leaps(k)) continue;
+            const std::size_t left = misclosure.left(k);
+            if (left + least_fixes < k && track.seconds(left + 1, k) >= least_span) displaced.mark(track, left, k - 1);
+        }
+        displaced.settle(track.size());
+        for (std::size_t i = 0; i < fixes.size(); ++i) out[i] = out[i] || displaced.marked[i];
+    }
+    return out;
 }
 
 GnssFix FixScreen::without(const GnssFix& fix, std::size_t index) const {

@@ -40,6 +40,10 @@ struct FrozenFixes {
 /// sigma (as stated, or from the scatter of the log) and 3 m. No result if it affected a third of the fixes, or more than twenty runs.
 [[nodiscard]] std::vector<bool> strayed_positions(const std::vector<GnssFix>& fixes, const earth::Earth& earth);
 
+/// Likewise, horizontally or vertically, and also where they only moved to another level and back: three fixes and 2 s or more, one
+/// flag per fix. Such a string is no noise of the receiver, however large the noise is taken.
+[[nodiscard]] std::vector<bool> displaced_positions(const std::vector<GnssFix>& fixes, const earth::Earth& earth);
+
 /// Parts of a log's fixes that are excluded because of later fixes, which a stream does not have.
 struct FixScreen {
     std::vector<bool> position{}, velocity{};  ///< true: excluded; one per fix, or empty if nothing is

@@ -42,7 +42,7 @@ double to_tenth_of_ms(double s) { return 1e-4 * std::round(1e4 * s); }
 }  // namespace
 
 bool centre_latencies(RunData& data, Settings& settings, Start start, const FixScreen& screen, Findings& findings) {
-    constexpr double linear = 0.005, longest = 600.0;  // s
+    constexpr double linear = 0.005, longest = 600.0, sigmas = 4.0;  // s, s, of the latency
     GnssSettings& g = settings.gnss;
     if (!g.latency_found || !(g.latency_std > 0.0) || settings.coupling != Coupling::Loose) return false;
     const bool own = g.velocity_latency_std > 0.0;
@@ -52,6 +52,10 @@ bool centre_latencies(RunData& data, Settings& settings, Start start, const FixS
     options.last_increment =
         std::min(static_cast<std::size_t>(end - data.imu.increments.begin()), data.imu.increments.size() - 1);
     constexpr int rounds = 2;
+    // A start from a latency that the run finds far beyond its sigma would be an assumption of the run's own: what is in error (the
+    // unit, its axes) would no longer show as a contradiction between the latency and what was measured of it.
+    const double most_position = sigmas * g.latency_std, most_velocity = sigmas * g.velocity_latency_std;
+    double moved_position = 0.0, moved_velocity = 0.0;
     for (int round = 0; round < rounds; ++round) {
         Settings trial = settings;
         trial.output_rate = 1.0;
@@ -61,12 +65,17 @@ bool centre_latencies(RunData& data, Settings& settings, Start start, const FixS
                    velocity = own ? last_of(run, "gnss_velocity_latency_error") : Last{};
         const auto far = [&](const Last& x) { return std::abs(x.value) > std::max(linear, x.std); };
         if (!far(position) && !far(velocity)) return round > 0;
+        if (std::abs(moved_position + position.value) > most_position ||
+            (own && std::abs(moved_velocity + velocity.value) > most_velocity))
+            return round > 0;
         if (findings.tuned.empty()) {
             findings.tuned_from = start.nav.time;
             findings.tuned_to = data.imu.increments[options.last_increment].time;
         }
         const double by_position = to_tenth_of_ms(position.value),
                      by_velocity = own ? to_tenth_of_ms(velocity.value) : by_position;
+        moved_position += by_position;
+        moved_velocity += by_velocity;
         // a velocity without a latency of its own follows the position
         if (own || g.velocity_latency) {
             g.velocity_latency = g.velocity_latency.value_or(g.latency) + by_velocity;

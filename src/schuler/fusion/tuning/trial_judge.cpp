@@ -53,6 +53,10 @@ TrialJudge::TrialJudge(RunData& data, const Start& start, const GnssSettings& be
     last_ = std::min(last_, static_cast<std::size_t>(it - data.imu.increments.begin()));
     find_speeds(stop);
     find_spoiled();
+    if (!before.use_velocity) return;
+    const std::vector<bool> displaced = displaced_positions(data.recording->gnss, earth::Earth());
+    screen_.position.resize(displaced.size(), false);
+    for (std::size_t i = 0; i < displaced.size(); ++i) screen_.position[i] = screen_.position[i] || displaced[i];
 }
 
 double TrialJudge::cost(const Settings& settings, bool surroundings) {

@@ -13,8 +13,9 @@ namespace schuler::fusion {
 /// A trial: one run over a limited interval, evaluated by the likelihood of its innovations.
 class TrialJudge {
 public:
-    /// `data` is that of the trials and receives their events; `start` was formed with the latencies of `before`; all except
-    /// these must outlive this object.
+    /// `data` is that of the trials and receives their events; `start` was formed with the latencies of `before`; both must outlive
+    /// this object. Positions that moved away and back at once (displaced_positions) are left out: in the noise of all fixes they would
+    /// make the gates so wide that the filter follows them.
     TrialJudge(RunData& data, const Start& start, const GnssSettings& before, const FixScreen& screen);
 
     [[nodiscard]] Time stop() const { return data_.imu.increments[last_].time; }
@@ -34,7 +35,7 @@ private:
     RunData& data_;
     const Start& start_;
     double latency_, velocity_latency_;  // s, of the fixes used for the start
-    const FixScreen& screen_;
+    FixScreen screen_;
     std::size_t last_;
     double count_ = 0.0;
 };

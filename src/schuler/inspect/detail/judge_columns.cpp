@@ -13,14 +13,13 @@
 namespace schuler::inspect::detail {
 namespace {
 
-/// Displacements over about 2 s compared with the mean velocity between them: sums of squared differences and displacements.
+/// Displacements over about `span` s compared with the mean velocity between them: sums of squared differences and displacements.
 struct Misfit {
     double miss = 0.0, moved = 0.0;
 };
-Misfit misfit(const LoadedFile& file, const char* lat, const char* lon, const char* north = "vel_n_m_s",
+Misfit misfit(const LoadedFile& file, double span, const char* lat, const char* lon, const char* north = "vel_n_m_s",
               const char* east = "vel_e_m_s") {
     const std::vector<double>&p = file[lat], &q = file[lon], &vn = file[north], &ve = file[east];
-    constexpr double span = 2.0;  // s
     const earth::Earth earth;
     Misfit sum;
     std::size_t first = 0;
@@ -34,7 +33,7 @@ Misfit misfit(const LoadedFile& file, const char* lat, const char* lon, const ch
         const Geodetic a{p[first] * units::deg, q[first] * units::deg, 0.0}, b{p[k] * units::deg, q[k] * units::deg, 0.0};
         const Eigen::Vector2d moved = earth::ned_difference(earth, b, a).head<2>();
         const double miss = (moved - Eigen::Vector2d(n, e)).squaredNorm();
-        constexpr double jump = 1e6;  // m^2: impossible for any vehicle
+        const double jump = std::pow(500.0 * span, 2);  // m^2: impossible for any vehicle
         if (dt > 0.0 && dt < 2.5 && std::isfinite(miss) && miss < jump) {
             sum.miss += miss;
             sum.moved += n * n + e * e;
@@ -59,13 +58,21 @@ void judge_coordinates(Study& study) {
     if (!file.has("lat_deg") || !file.has("lon_deg") || !file.has("vel_n_m_s") || !file.has("vel_e_m_s")) return;
     constexpr double most = 90.0;
     if (std::ranges::any_of(file["lon_deg"], [](double x) { return std::abs(x) > most; })) return;
-    const Misfit as_named = misfit(file, "lat_deg", "lon_deg");
     constexpr double much = 400.0, wrong = 0.1, right = 0.05;  // m^2; fractions of the motion
-    if (as_named.moved < much || as_named.miss < wrong * as_named.moved) return;
-    const Misfit exchanged = misfit(file, "lon_deg", "lat_deg");
-    if (exchanged.miss > right * exchanged.moved || exchanged.miss > right * as_named.miss) return;
+    // Over 2 s most vehicles move farther than the positions scatter; noise of metres at walking or driving speed needs longer.
+    Misfit as_named, exchanged;
+    double span = 0.0;
+    for (const double s : {2.0, 10.0, 30.0}) {
+        as_named = misfit(file, s, "lat_deg", "lon_deg");
+        if (as_named.moved < much || as_named.miss < wrong * as_named.moved) return;
+        exchanged = misfit(file, s, "lon_deg", "lat_deg");
+        if (exchanged.miss > right * exchanged.moved || exchanged.miss > right * as_named.miss) continue;
+        span = s;
+        break;
+    }
+    if (span == 0.0) return;
     // Near the equator the velocities may be the exchanged ones just as well.
-    const Misfit velocities = misfit(file, "lat_deg", "lon_deg", "vel_e_m_s", "vel_n_m_s");
+    const Misfit velocities = misfit(file, span, "lat_deg", "lon_deg", "vel_e_m_s", "vel_n_m_s");
     constexpr double alike = 2.0;
     if (alike * velocities.miss < exchanged.miss) return;
     const io::ColumnMatch *lat = file.plan.find("lat_deg"), *lon = file.plan.find("lon_deg");

@@ -264,6 +264,12 @@ void drop_strays(LoadedFile& file) {
         file.problem(Level::Warning, fmt::format("the time restarts after {:.0f} s", static_cast<double>(repair.period) * 1e-9),
                      "nothing to do: it is carried on");
     }
+    if (repair.excursions > 0) {
+        file.problem(Level::Warning,
+                     fmt::format("{} rows are stamped by a clock that was off by {:.9g} s for a while", repair.away,
+                                 static_cast<double>(repair.step) * 1e-9),
+                     "nothing to do: they are moved back to where they lie evenly between the others");
+    }
     if (repair.strays.empty()) return;
     erase_rows(file, repair.strays);
     file.problem(Level::Warning, fmt::format("{} rows have a stamp far from those around them", repair.strays.size()),

@@ -21,11 +21,41 @@ std::int64_t median_step(const std::vector<std::int64_t>& times) {
     return *middle;
 }
 
+/// Takes back excursions of the clock: see repair_times. Every step back is paired with the step ahead before it, or after it.
+void take_back_excursions(std::vector<std::int64_t>& times, std::int64_t usual, TimeRepair& repair) {
+    constexpr std::int64_t longest = 1'000'000'000 * one_second;  // beyond: another epoch, and sums would overflow
+    if (usual <= 0 || usual > longest) return;
+    const std::size_t n = times.size();
+    const auto excess = [&](std::size_t i) { return times[i] - times[i - 1] - usual; };
+    for (std::size_t back = 1; back < n; ++back) {
+        if (times[back] >= times[back - 1] - usual / 2) continue;
+        const std::int64_t size = -excess(back);
+        if (size <= 0 || size > longest) continue;
+        // The nearest step of about this size on either side: it ends the interval, whether it matches or not.
+        const auto is_step = [&](std::size_t i) { return excess(i) < -usual || excess(i) >= size / 2; };
+        const auto matches = [&](std::size_t i) { return std::abs(excess(i) - size) <= usual / 2; };
+        std::size_t before = back - 1, after = back + 1;
+        while (before > 0 && !is_step(before)) --before;
+        while (after < n && !is_step(after)) ++after;
+        const auto held = [&](std::size_t first, std::size_t end) { return end - first > longest_run && 2 * (end - first) < n; };
+        const bool ahead = before > 0 && matches(before) && held(before, back),
+                   behind = after < n && matches(after) && held(back, after);
+        if (ahead == behind) continue;  // no pair, or no telling which rows are off
+        const std::size_t first = ahead ? before : back, end = ahead ? back : after;
+        const std::int64_t step = (ahead ? 1 : -1) * ((ahead ? excess(before) : excess(after)) + size) / 2;
+        for (std::size_t i = first; i < end; ++i) times[i] -= step;
+        if (repair.excursions++ == 0) repair.first_away = first;
+        repair.away += end - first;
+        repair.step = step;
+    }
+}
+
 }  // namespace
 
 TimeRepair repair_times(std::vector<std::int64_t>& times) {
     TimeRepair repair;
     if (times.size() < 3) return repair;
+    take_back_excursions(times, median_step(times), repair);
     constexpr std::int64_t steps = 20;
     const std::int64_t limit = std::max(one_second, steps * std::min(median_step(times), INT64_MAX / steps));
     const auto near = [&](std::int64_t from, std::int64_t to) { return std::abs(to - from) <= limit; };

@@ -98,6 +98,15 @@ void RowAudit::rolled_over(const TimeRepair& repair) {
          repair.rollovers);
 }
 
+void RowAudit::clock_away(const TimeRepair& repair, long line) {
+    warn(
+        "clock_away",
+        fmt::format("rows, the first in line {}, are stamped by a clock that was off by {} for a while: moved back to where they "
+                    "lie evenly between the others",
+                    line, seconds_text(repair.step)),
+        repair.away);
+}
+
 void RowAudit::finish(const TableReader& reader) {
     // an instrument that starts late has no values in its first rows: these show nothing about the column
     const auto all = static_cast<double>(counts_.read), leading = static_cast<double>(leading_);

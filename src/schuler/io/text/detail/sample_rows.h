@@ -73,6 +73,8 @@ public:
         if (counts_.strays++ == 0) first_stray_line_ = line;
     }
     void rolled_over(const TimeRepair& repair);
+    /// `line`: of the first row that is moved.
+    void clock_away(const TimeRepair& repair, long line);
     void warn(std::string_view topic, const std::string& text, std::size_t count) const;
 
 private:
@@ -132,6 +134,7 @@ void repair_stamps(std::vector<Sample>& samples, std::vector<long>& lines, RowAu
     for (const Sample& s : samples) times.push_back(s.time.ns);
     const TimeRepair repair = repair_times(times);
     if (!repair.any()) return;
+    const long first_away = lines[repair.first_away];
     std::size_t kept = 0;
     auto stray = repair.strays.begin();
     for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -147,6 +150,7 @@ void repair_stamps(std::vector<Sample>& samples, std::vector<long>& lines, RowAu
     samples.resize(kept);
     lines.resize(kept);
     audit.rolled_over(repair);
+    audit.clock_away(repair, first_away);
 }
 
 /// Reads all rows. `make(reader, sample)` fills a sample from a row and returns false to omit it (and counts that itself).
