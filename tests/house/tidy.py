@@ -6,7 +6,9 @@ for the time; `--itself` shows that a mistake is found.
 """
 import argparse
 import json
+import os
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -32,11 +34,14 @@ def findings(source, build, since, seconds):
     if not changes:
         return []
     command = [DIFF, "-clang-tidy-binary", TIDY, "-p1", "-path", str(build), "-quiet", "-j", "2", "-checks=-clang-analyzer-*"]
-    try:
-        done = subprocess.run(command, cwd=source, input=changes, capture_output=True, text=True, check=False, timeout=seconds)
-    except subprocess.TimeoutExpired:
-        return None
-    lines = [line for line in (done.stdout + done.stderr).splitlines() if line.strip() and not any(n in line for n in NOISE)]
+    with subprocess.Popen(command, cwd=source, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                          start_new_session=True) as done:
+        try:
+            said, _ = done.communicate(changes, timeout=seconds)
+        except subprocess.TimeoutExpired:
+            os.killpg(done.pid, signal.SIGKILL)  # the tool's children too
+            return None
+    lines = [line for line in said.splitlines() if line.strip() and not any(n in line for n in NOISE)]
     return lines if done.returncode != 0 or any(": warning: " in line or ": error: " in line for line in lines) else []
 
 
