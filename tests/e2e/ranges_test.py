@@ -67,8 +67,60 @@ def ranges_studies(program, source):
         r = row[case]
         check(r["detected"] == 1 and r["largest_horizontal_m"] < 10 < r["largest_horizontal_uncontrolled_m"], f"{case}: {r}")
     program.fails("analyze", "integrity", flight, "--kind", "freeze", parts=["freeze", "--kind"])
-    for study in ("budget", "integrity"):
-        program.fails("analyze", study, source / "examples/jamming.toml", parts=["receiver.rate_hz"])
+
+
+CORRELATORS = """
+name = "correlators"
+duration_s = 60
+[trajectory]
+type = "figure8"
+start = { lat_deg = 52.3, lon_deg = 104.3, height_m = 3000 }
+length_m = 4000
+width_m = 1500
+figure_s = 120
+[imu]
+rate_hz = 100
+grade = "tactical"
+[gnss]
+rate_hz = 0
+[ranges]
+systems = "G"
+gps_week = 2300
+gps_second = 0
+elevation_mask_deg = 7.5
+correlated_m = 0.5
+clock_h0_s = 2e-19
+[receiver]
+rate_hz = 5
+cn0_db_hz = 40
+[filter]
+initial_error = { level_deg = 0.05, heading_deg = 0.1, velocity_m_s = 0.1, position_m = 10 }
+[run]
+settle_s = 20
+"""
+
+
+def ranges_correlators(program, source):
+    """Budget and integrity where a receiver is simulated at the level of its correlators, in and out of the filter's loop."""
+    (Path(program.folder) / "correlators.toml").write_text(CORRELATORS)
+    for scheme in ("tight", "deep"):
+        order = ("correlators.toml", "--set", f"filter.scheme={scheme}")
+        budget = {r["source"]: r for r in json.loads(program("analyze", "budget", *order, "-n", 1, "--json").stdout)["rows"]}
+        check("range_white" not in budget and {"channels", "range_slow", "clock"} <= set(budget), f"{scheme}: {list(budget)}")
+        # what the IMU's errors leave beside exact measurements against what the channels' noise leaves
+        for key in ("horizontal_m", "velocity_m_s"):
+            check(budget["accel_noise"][key] < 0.5 * budget["channels"][key], f"{scheme}: {key}: {budget}")
+        check(budget["accel_noise"]["horizontal_m"] < 0.1 < 10 * budget["channels"]["horizontal_m"] < 20, f"{scheme}: {budget}")
+        ratio = budget["root_sum_square"]["horizontal_m"] / budget["all"]["horizontal_m"]
+        check(0.5 < ratio < 2, f"{scheme}: the parts explain the whole: {ratio}")
+        done = json.loads(program("analyze", "integrity", *order, "--kind", "step", "ramp", "--size", "1,60", "-n", 1, "--start", 30,
+                                  "--duration", 20, "--json").stdout)
+        row = {(r["kind"], r["size"]): r for r in done["rows"]}
+        check(done["victim"] == "range" and done["false_alarm_runs"] == 0, f"{scheme}: {done}")
+        check(row["step", 1.0]["detected"] == 0, f"{scheme}: a step inside the noise is not found")
+        for case in (("step", 60.0), ("ramp", 60.0)):
+            r = row[case]
+            check(r["detected"] == 1 and r["largest_horizontal_m"] < 10 < r["largest_horizontal_uncontrolled_m"], f"{scheme}: {case}: {r}")
 
 
 def ranges_protection(program, source):
@@ -199,4 +251,4 @@ def table(path):
 
 if __name__ == "__main__":
     main({"ranges_triad": ranges_triad, "ranges_schemes": ranges_schemes, "ranges_real": ranges_real, "ranges_studies": ranges_studies,
-          "ranges_protection": ranges_protection, "ranges_adsb": ranges_adsb, "ranges_car": ranges_car})
+          "ranges_correlators": ranges_correlators, "ranges_protection": ranges_protection, "ranges_adsb": ranges_adsb, "ranges_car": ranges_car})

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -132,6 +133,37 @@ TEST(Signals, WeakenAsFreeSpaceAndProfileSay) {
     EXPECT_NEAR(db(56.0), 35.0, 1e-4);
 }
 
+/// What is measured of a signal, motion and code delay together, has the fault of the range; the carrier what the rate has of it.
+TEST(Signals, FaultsAreThoseOfTheRanges) {
+    SignalSettings s = quiet_signals();
+    const auto path = make_path(StaticPath{place}, earth::wgs84);
+    const SimulatedRanges healthy = simulate_ranges(frame(), *path, s.ranging);
+    const Signals clean(frame(), *path, s);
+    const std::string victim = gnss::name_of(clean.satellite(1));
+    s.ranging.faults = {{victim, 10.0, 10.0, 50.0}, {victim, 15.0, 20.0, 0.0, 2.0, -2.0}, {victim, 40.0, 10.0, 0.0, 3.0}};
+    const SimulatedRanges ranges = simulate_ranges(frame(), *path, s.ranging);
+    const Signals signals(frame(), *path, s);
+    ASSERT_EQ(ranges.log.samples.size(), healthy.log.samples.size());
+    double largest = 0.0;
+    for (std::size_t k = 0; k < ranges.log.epochs.size(); ++k)
+        for (std::size_t j = 0; j < ranges.log.epochs[k].count; ++j) {
+            const RangeSample &with = ranges.log.samples[ranges.log.epochs[k].first + j],
+                              &without = healthy.log.samples[ranges.log.epochs[k].first + j];
+            const double t = ranges.log.epochs[k].time.seconds();
+            for (std::size_t i = 0; i < signals.size(); ++i) {
+                if (gnss::name_of(signals.satellite(i)) != ranges.log.sources[with.source].name) continue;
+                const SignalMotion faulty = signals.motion(i, t), right = clean.motion(i, t);
+                EXPECT_NEAR(faulty.range + signals.code_delay(i, t) - right.range, with.pseudorange - without.pseudorange, 1e-6)
+                    << t;
+                EXPECT_NEAR(faulty.rate - right.rate, with.range_rate - without.range_rate, 1e-6) << t;
+                largest = std::max(largest, std::abs(with.pseudorange - without.pseudorange));
+            }
+        }
+    EXPECT_GT(largest, 50.0);
+    EXPECT_NEAR(signals.motion(1, 25.0).range, clean.motion(1, 25.0).range, 1e-9)
+        << "the carrier does not follow a delay of the code";
+}
+
 TEST(Signals, RefusesWhatCorrelatorsDoNotHave) {
     const auto path = make_path(StaticPath{place}, earth::wgs84);
     const auto refused = [&](const SignalSettings& s) {
@@ -143,8 +175,8 @@ TEST(Signals, RefusesWhatCorrelatorsDoNotHave) {
         return std::string("nothing");
     };
     SignalSettings s = quiet_signals();
-    s.ranging.faults = {{"G05", 0.0, 10.0, 5.0}};
-    EXPECT_EQ(refused(s), "ranges.fault");
+    s.ranging.multipath.amplitude = 1.0;
+    EXPECT_EQ(refused(s), "ranges.multipath_m");
     s = quiet_signals();
     s.profile = {{10.0, 45.0}, {10.0, 40.0}};
     EXPECT_EQ(refused(s), "receiver.cn0_profile");

@@ -329,11 +329,13 @@ SimulatedDataset simulate_dataset(const settings::ScenarioConfig& scenario, cons
             fix.std_velocity = sim::stated_velocity_sigma(assumed->sim.gnss);
         }
         const sensor::RangingErrorModel& e = assumed->ranging.settings.errors;
-        for (RangeSample& m : out.recording.ranges.samples) {
-            const bool station = out.recording.ranges.sources[m.source].station;
-            m.std = station ? e.station.white : e.satellite.white;
-            m.std_rate = station ? e.station.rate : e.satellite.rate;
-        }
+        // a receiver at correlator level states the sigmas of its channels in any case
+        if (!out.sky)
+            for (RangeSample& m : out.recording.ranges.samples) {
+                const bool station = out.recording.ranges.sources[m.source].station;
+                m.std = station ? e.station.white : e.satellite.white;
+                m.std_rate = station ? e.station.rate : e.satellite.rate;
+            }
     }
     round_to_files(out.recording);
     const auto path = sim::make_path(scenario.sim.path, scenario.sim.earth.ellipsoid);

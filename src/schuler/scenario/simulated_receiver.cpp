@@ -79,6 +79,9 @@ void SimulatedReceiver::run(const fusion::ReceiverAiding& aiding, Time until, Ra
     const double now = sky_.seconds(aiding.time);
     if (!bank_) begin(now);
     const earth::Ellipsoid& ellipsoid = sky_.frame().earth.ellipsoid;
+    // the filter does not know a clock that is taken out of the measurements, but the channels need it
+    const bool hidden = sky_.settings().exact_clock;
+    const double clock = aiding.clock + (hidden ? bank_->clock() : 0.0), drift = aiding.drift + (hidden ? clock_drift(1.0) : 0.0);
     for (std::size_t i = 0; i < predictions_.size(); ++i) {
         const auto first = sky_.satellite(i, now - 0.075);
         if (!first) continue;
@@ -88,11 +91,10 @@ void SimulatedReceiver::run(const fusion::ReceiverAiding& aiding, Time until, Ra
         const fusion::LineOfSightAid aid =
             fusion::line_of_sight_aid(aiding.antenna, at_reception(*sent, ellipsoid, tau), aiding.C_en, aiding.P);
         const double jerk = aiding.jerk_e.dot((aiding.antenna.r_e - sent->position.r).normalized());
-        predictions_[i] = {
-            {aid.range + aiding.clock - c * sent->clock, aid.rate + aiding.drift - c * sent->clock_rate, aid.acceleration, jerk},
-            std::hypot(aid.std_range, aiding.std_clock),
-            std::hypot(aid.std_rate, aiding.std_drift),
-            aiding.drift};
+        predictions_[i] = {{aid.range + clock - c * sent->clock, aid.rate + drift - c * sent->clock_rate, aid.acceleration, jerk},
+                           std::hypot(aid.std_range, aiding.std_clock),
+                           std::hypot(aid.std_rate, aiding.std_drift),
+                           drift};
     }
     bank_->guide(predictions_, now);
     listen(sky_.seconds(until), log);
@@ -111,10 +113,35 @@ void SimulatedReceiver::listen(double until, RangingLog& log) {
     while (bank_->now() < until - 0.5 * receiver::Bank::period) {
         bank_->step(force);
         const std::int64_t tick = std::llround(bank_->now() / receiver::Bank::period);
+        clocks_[static_cast<std::size_t>(tick) % clocks_.size()] = bank_->clock();
+        ++ticks_;
         if (tick % 10 == 0) force = sky_.force(bank_->now());
         if (tick % every == 0) measure(log);
         if (tick % row_ticks == 0) note();
     }
+}
+
+double SimulatedReceiver::clock_drift(double span) const {
+    const std::int64_t tick = std::llround(bank_->now() / receiver::Bank::period), kept = std::min(std::ssize(clocks_), ticks_);
+    const std::int64_t ago = std::min<std::int64_t>(std::llround(span / receiver::Bank::period), kept - 1);
+    if (ago <= 0) return 0.0;
+    const double before = clocks_[static_cast<std::size_t>(tick - ago) % clocks_.size()];
+    return (bank_->clock() - before) / (static_cast<double>(ago) * receiver::Bank::period);
+}
+
+void SimulatedReceiver::make_exact(receiver::BankMeasurement& m, double t) const {
+    const settings::ReceiverScenarioConfig& s = sky_.settings();
+    const double span = std::max(receiver::Bank::period, m.rate_span), clock = bank_->clock();
+    const double drift = clock_drift(span);
+    // by phase the mean over the interval, from a loop the present rate
+    const auto mean_rate = [&](double at) {
+        return m.phase_variance > 0.0 ? (sky_.motion(m.signal, at).range - sky_.motion(m.signal, at - span).range) / span
+                                      : sky_.motion(m.signal, at).rate;
+    };
+    const double channel = m.range - (sky_.motion(m.signal, t).range + clock), channel_rate = m.rate - (mean_rate(t) + drift);
+    const double at = s.exact_clock ? bank_->now() : t;
+    m.range = sky_.motion(m.signal, at).range + (s.exact_clock ? 0.0 : clock) + (s.exact_channels ? 0.0 : channel);
+    m.rate = mean_rate(at) + (s.exact_clock ? 0.0 : drift) + (s.exact_channels ? 0.0 : channel_rate);
 }
 
 void SimulatedReceiver::measure(RangingLog& log) {
@@ -124,7 +151,8 @@ void SimulatedReceiver::measure(RangingLog& log) {
     sensor::Oscillator clock;
     clock.h0 = settings_.oscillator.h0;
     const double clock_density = clock.phase_psd();
-    for (const receiver::BankMeasurement& m : measured_) {
+    for (receiver::BankMeasurement& m : measured_) {
+        if (partly_exact()) make_exact(m, t);
         const double left = bank_->now() - m.range / c;  // by the satellite's clock: the receiver's error is in both
         const auto guess = sky_.satellite(m.signal, left);
         if (!guess) continue;

@@ -6,6 +6,7 @@
 #include "schuler/scenario/simulated_dataset.h"
 #include "schuler/settings/scenario/scenario.h"
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -61,6 +62,11 @@ private:
     void listen(double until, RangingLog& log);
     void measure(RangingLog& log);
     void note();
+    [[nodiscard]] bool partly_exact() const { return sky_.settings().exact_channels || sky_.settings().exact_clock; }
+    /// Takes out what the scenario wants exact; `t`: true time of the measurement.
+    void make_exact(receiver::BankMeasurement& m, double t) const;
+    /// m/s, mean of the last `span` s of the oscillator, or of as many as there are.
+    [[nodiscard]] double clock_drift(double span) const;
 
     const SimulatedSky& sky_;
     receiver::BankSettings settings_;
@@ -70,6 +76,8 @@ private:
     std::vector<receiver::Prediction> predictions_;
     std::vector<receiver::BankMeasurement> measured_;
     std::vector<ReceiverRow> rows_;
+    std::array<double, 1024> clocks_{};  ///< m, of the last code periods, by their number
+    std::int64_t ticks_ = 0;             ///< kept so far
 };
 
 }  // namespace schuler::scenario

@@ -105,7 +105,7 @@ private:
         m.source = log.source(from.name, !from.satellite);
         double fault = 0.0, fault_rate = 0.0;
         for (const RangeFault& f : r_.faults) {
-            if (f.source != from.name || t < f.start || t >= f.start + f.duration) continue;
+            if (f.source != from.name || !f.active(t)) continue;
             fault += f.offset + f.ramp * (t - f.start);
             fault_rate += f.ramp + f.rate;
         }

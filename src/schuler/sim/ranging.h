@@ -42,6 +42,8 @@ struct RangeFault {
     double start = 0.0, duration = 1e9;  ///< s
     double offset = 0.0;                 ///< m
     double ramp = 0.0, rate = 0.0;       ///< m/s
+
+    [[nodiscard]] bool active(double t) const { return t >= start && t < start + duration; }
 };
 
 /// Multipath: amplitude cos(elevation) sin(2 pi t/period + phase), with a separate phase for each source.

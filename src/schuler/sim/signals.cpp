@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 namespace schuler::sim {
@@ -43,8 +44,6 @@ double received_from(const Jammer& j, const Ecef& antenna, const earth::Ellipsoi
 void check(const SignalSettings& s) {
     require(s.ranging.stations.empty(), "ranges.stations", "a satellite receiver does not track them",
             "leave out [receiver] or the stations");
-    require(s.ranging.faults.empty(), "ranges.fault", "are faults of ranges, not of signals",
-            "leave out [receiver] or the faults");
     require(s.ranging.multipath.amplitude == 0.0, "ranges.multipath_m", "reflections are not simulated in correlators",
             "leave out [receiver] or the reflections");
     require(s.cn0 > 0.0 && s.cn0 < 80.0, "receiver.cn0_db_hz", "is not a valid C/N0", "give 20 to 55 dB-Hz");
@@ -68,6 +67,8 @@ Signals::Signals(const RangingScenario& scenario, const TruthPath& path, const S
         if (!lines.allowed(transmitter)) continue;
         Track track;
         track.satellite = *transmitter.satellite;
+        std::ranges::copy_if(settings.ranging.faults, std::back_inserter(track.faults),
+                             [&](const RangeFault& f) { return f.source == transmitter.name; });
         bool seen = false;
         math::Random random(scenario.seed, "signals.slow." + transmitter.name);
         const double kept = std::exp(-1.0 / (rate * slow.correlation_time));
@@ -125,8 +126,14 @@ SignalMotion Signals::motion(std::size_t i, double t) const {
     // Hermite's cubic between samples k and k + 1
     const double m0 = slope(r), m1 = slope(r + 1), d = r[1] - r[0];
     const double c2 = 3.0 * d - 2.0 * m0 - m1, c3 = m0 + m1 - 2.0 * d;
-    return {r[0] + s * (m0 + s * (c2 + s * c3)), rate * (m0 + s * (2.0 * c2 + 3.0 * s * c3)),
-            rate * rate * (2.0 * c2 + 6.0 * s * c3), rate * rate * rate * 6.0 * c3};
+    SignalMotion out{r[0] + s * (m0 + s * (c2 + s * c3)), rate * (m0 + s * (2.0 * c2 + 3.0 * s * c3)),
+                     rate * rate * (2.0 * c2 + 6.0 * s * c3), rate * rate * rate * 6.0 * c3};
+    for (const RangeFault& f : tracks_[i].faults) {
+        if (!f.active(t)) continue;
+        out.rate += f.ramp + f.rate;
+        out.range += f.offset + (f.ramp + f.rate) * (t - f.start);
+    }
+    return out;
 }
 
 bool Signals::in_view(std::size_t i, double t) const {
@@ -145,7 +152,10 @@ double Signals::code_delay(std::size_t i, double t) const {
     double s = 0.0;
     const std::size_t k = index(t, s);
     const std::vector<float>& d = tracks_[i].delay;
-    return d[k] + s * (d[k + 1] - d[k]);
+    double delay = d[k] + s * (d[k + 1] - d[k]);
+    for (const RangeFault& f : tracks_[i].faults)
+        if (f.active(t)) delay -= f.rate * (t - f.start);
+    return delay;
 }
 
 double Signals::rate_error(std::size_t i, double t) const {

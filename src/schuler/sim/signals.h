@@ -31,8 +31,7 @@ struct SignalSettings {
     std::vector<Jammer> jammers;
 };
 
-/// Throws Error(Input) that names the invalid setting; ground stations, range faults and multipath are not available at
-/// correlator level.
+/// Throws Error(Input) that names the invalid setting; ground stations and multipath are not available at correlator level.
 void check(const SignalSettings& settings);
 
 /// Range of one signal less the receiver's clock, with derivatives.
@@ -41,8 +40,9 @@ struct SignalMotion {
 };
 
 /// Immutable. Between samples at 20 Hz ranges are cubics with fourth-order difference slopes: errors 2e-5 m and 1e-3 m/s if a
-/// vehicle goes from zero to 20 g within a second. Slow errors are those of the
-/// measured ranges and rates: the signals themselves are without them.
+/// vehicle goes from zero to 20 g within a second. Slow errors are those of the measured ranges and rates: the signals themselves
+/// are without them. A fault of a range whose rate is wrong with it is one of the transmitted signal, code and carrier together, as of
+/// the satellite's clock; the part that its rate lacks delays the code alone.
 class Signals {
 public:
     Signals(const RangingScenario& scenario, const TruthPath& path, const SignalSettings& settings);
@@ -55,7 +55,7 @@ public:
     [[nodiscard]] bool in_view(std::size_t i, double t) const;
     /// Hz, including jammers; 0 if blocked or out of view.
     [[nodiscard]] double cn0(std::size_t i, double t) const;
-    /// Slow error of the code, m.
+    /// Error of the code's delay beyond the signal's motion, m.
     [[nodiscard]] double code_delay(std::size_t i, double t) const;
     /// Slow error of the range rate, m/s.
     [[nodiscard]] double rate_error(std::size_t i, double t) const;
@@ -69,6 +69,7 @@ private:
         std::vector<float> delay;       ///< m
         std::vector<float> rate_error;  ///< m/s; empty: none
         std::vector<char> state;        ///< 0 out of view, 1 blocked, 2 received
+        std::vector<RangeFault> faults;
     };
     [[nodiscard]] std::size_t index(double t, double& part) const;
 

@@ -34,6 +34,7 @@ constexpr auto gnss = [](auto& s) -> auto& { return s.sim.gnss; };
 constexpr auto gnss_slow = [](auto& s) -> auto& { return s.sim.gnss.errors; };
 constexpr auto ranging = [](auto& s) -> auto& { return s.ranging.settings.errors; };
 constexpr auto satellite = [](auto& s) -> auto& { return s.ranging.settings.errors.satellite; };
+constexpr auto channels = [](auto& s) -> auto& { return s.receiver_channels; };
 constexpr auto multipath = [](auto& s) -> auto& { return s.ranging.settings.multipath; };
 constexpr auto baro = [](auto& s) -> auto& { return s.sim.baro; };
 constexpr auto mag = [](auto& s) -> auto& { return s.sim.mag; };
@@ -51,14 +52,17 @@ template <auto Part>
 bool sampled(const settings::ScenarioConfig& s) {
     return Part(s).rate > 0.0;
 }
-bool has_ranges(const settings::ScenarioConfig& s) { return s.ranging.rate > 0.0; }
+bool has_channels(const settings::ScenarioConfig& s) { return s.receiver_channels.rate > 0.0; }
+bool has_ranges(const settings::ScenarioConfig& s) { return s.ranging.rate > 0.0 || has_channels(s); }
 bool has_satellites(const settings::ScenarioConfig& s) { return has_ranges(s) && s.ranging.systems != "-"; }
+bool has_modelled_satellites(const settings::ScenarioConfig& s) { return has_satellites(s) && !has_channels(s); }
 bool has_stations(const settings::ScenarioConfig& s) { return has_ranges(s) && !s.ranging.settings.stations.empty(); }
 
 using sensor::GnssErrorModel;
 using sensor::RangeErrorModel;
 using sensor::RangingErrorModel;
 using settings::InitialError;
+using settings::ReceiverScenarioConfig;
 using sim::BaroSettings;
 using sim::CompassErrors;
 using sim::GaugeErrors;
@@ -68,7 +72,7 @@ using sim::MagSettings;
 using E = ImuErrorModel;
 
 // clang-format off
-const std::array<Source, 24> all_sources{{
+const std::array<Source, 25> all_sources{{
     {"initial_position", "initial position", keep<start, &InitialError::position>},
     {"initial_velocity", "initial velocity", keep<start, &InitialError::velocity>},
     {"initial_level", "initial level", keep<start, &InitialError::level>},
@@ -86,7 +90,8 @@ const std::array<Source, 24> all_sources{{
      keep<gnss_slow, &GnssErrorModel::correlated_position, &GnssErrorModel::change_correlated_position, &GnssErrorModel::change_white_position>, sampled<gnss>},
     {"gnss_velocity", "receiver, slow velocity",
      keep<gnss_slow, &GnssErrorModel::correlated_velocity, &GnssErrorModel::change_correlated_velocity, &GnssErrorModel::change_white_velocity>, sampled<gnss>},
-    {"range_white", "ranges, white", keep<satellite, &RangeErrorModel::white>, has_satellites},
+    {"range_white", "ranges, white", keep<satellite, &RangeErrorModel::white>, has_modelled_satellites},
+    {"channels", "receiver's channels", keep<channels, &ReceiverScenarioConfig::exact_channels>, has_channels},
     {"range_slow", "ranges, slow and reflections",
      [](const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
          keep<satellite, &RangeErrorModel::correlated>(full, bare);
@@ -95,7 +100,12 @@ const std::array<Source, 24> all_sources{{
      has_satellites},
     {"range_rate", "range rates", keep<satellite, &RangeErrorModel::rate, &RangeErrorModel::correlated_rate>, has_satellites},
     {"stations", "ground stations", keep<ranging, &RangingErrorModel::station, &RangingErrorModel::network>, has_stations},
-    {"clock", "receiver's clock", keep<ranging, &RangingErrorModel::clock>, has_ranges},
+    {"clock", "receiver's clock",
+     [](const settings::ScenarioConfig& full, settings::ScenarioConfig& bare) {
+         keep<ranging, &RangingErrorModel::clock>(full, bare);
+         keep<channels, &ReceiverScenarioConfig::exact_clock>(full, bare);
+     },
+     has_ranges},
     {"baro", "barometer", keep<baro, &BaroSettings::white, &BaroSettings::bias, &BaroSettings::bias_walk>, sampled<baro>},
     {"mag", "magnetometer", keep<mag, &MagSettings::white, &MagSettings::hard_iron, &MagSettings::soft_iron>, sampled<mag>},
     {"gauges", "gauges", keep<gauges, &GaugeErrors::white, &GaugeErrors::bias>, sampled<gauges>},
@@ -135,7 +145,10 @@ settings::ScenarioConfig without_errors(const settings::ScenarioConfig& full) {
     for (sensor::RangeErrorModel* of : {&ranges.satellite, &ranges.station})
         of->white = of->correlated = of->rate = of->correlated_rate = 0.0;
     ranges.network = 0.0;
-    ranges.clock = {0.0, 0.0, 0.0, 0.0};
+    // A receiver at correlator level has its clock, and channels with all their errors, in any case: availability and the stated sigmas
+    // are theirs. What it measures is made exact.
+    if (!has_channels(full)) ranges.clock = {0.0, 0.0, 0.0, 0.0};
+    bare.receiver_channels.exact_channels = bare.receiver_channels.exact_clock = true;
     bare.ranging.settings.multipath.amplitude = 0.0;
     bare.sim.mag.white = bare.sim.mag.hard_iron = bare.sim.mag.soft_iron = 0.0;
     bare.aids.gauges.white = bare.aids.gauges.bias = 0.0;
@@ -149,9 +162,6 @@ settings::ScenarioConfig without_errors(const settings::ScenarioConfig& full) {
 report::Outcome analyze_budget(const StudyRequest& request) {
     const settings::SettingList base = settings::scenario_settings(request.scenario, request.seed);
     const settings::ScenarioConfig first = settings::scenario_from(base);
-    if (first.receiver_channels.rate > 0.0)
-        throw input_error("a receiver at correlator level has no errors that could be taken one at a time",
-                          {.file = {}, .key = "receiver.rate_hz"}, "give ranges.rate_hz and their errors instead");
     std::vector<const Source*> sources;
     for (const Source& s : all_sources)
         if (s.present(first)) sources.push_back(&s);

@@ -82,6 +82,8 @@ struct ReceiverScenarioConfig {
     bool aided = false;           ///< loops follow the solution in loose and tight coupling too
     double clock_flicker = 0.0;   ///< h_-1 of the oscillator, in addition to ranges.clock
     double clock_per_g = 0.0;     ///< its fractional frequency change per g, on each axis
+    /// Error budgets: the measurements are without the channels' errors, without the receiver's clock. Its tracking is not changed.
+    bool exact_channels = false, exact_clock = false;
 };
 
 /// The ground for a path at constant height above it; clearance not given: none.
