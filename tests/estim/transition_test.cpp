@@ -155,18 +155,18 @@ TEST(Update, IsTheTextbooks) {
 TEST(Update, OfAWholeEpochIsThatOfItsScalars) {
     std::mt19937_64 generator(7);
     std::normal_distribution<double> normal;
-    for (const int scalars : {1, 7, 48}) {
-        const Case c(generator, 32, 28, 15);
+    for (const auto& [used, scalars] : {std::pair{28, 1}, {28, 7}, {28, 48}, {48, 24}, {60, 30}, {100, 12}}) {
+        const Case c(generator, used + 4, used, 15);
         StateMatrix one_by_one = c.P, at_once = c.P;
-        StateVector dx = StateVector::Zero(32), dx_at_once = dx;
-        EpochUpdate epoch(at_once, 28);
+        StateVector dx = StateVector::Zero(used + 4), dx_at_once = dx;
+        EpochUpdate epoch(at_once, used);
         epoch.add(some_row(generator), 5.0, 1.0);  // taken back
         epoch.reset();
         std::vector<RowUpdate> expected;
         for (int i = 0; i < scalars; ++i) {
             const Row row = some_row(generator);
             const double z = normal(generator);
-            expected.push_back(update(dx, one_by_one, row, z, 0.5, 28));
+            expected.push_back(update(dx, one_by_one, row, z, 0.5, used));
             epoch.add(row, z, 0.5);
         }
         dx_at_once = epoch.solve();

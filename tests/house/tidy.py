@@ -52,19 +52,22 @@ def itself(source):
         shutil.copy(source / ".clang-tidy", place)
         (place / "compile_commands.json").write_text(
             json.dumps([{"directory": folder, "command": "c++ -std=c++20 -c src/a.cpp", "file": "src/a.cpp"}]))
-        texts = ["int* old = 0;\n", "int* old = 0;\nint f() { return 1; }\n", "int* old = 0;\nint f() { return 1; }\nint* fresh = 0;\n"]
-        found = []
-        for text in texts:
+        name = ("-c", "user.name=test", "-c", "user.email=test@example.org")
+
+        def commit(text):
             (place / "src/a.cpp").write_text(text)
-            name = ("-c", "user.name=test", "-c", "user.email=test@example.org")
             for step in (("init", "-q"), ("add", "-A"), (*name, "commit", "-qm", "x")):
                 if git(place, *step) is None:
                     skip("git does not commit here")
-            if len(found) or text != texts[0]:
-                found.append(findings(place, place, "HEAD~1", 120))
-        clean, wrong = found
+
+        old = "int* old = 0;\n"
+        commit(old)
+        commit(old + "int f() { return 1; }\n")
+        clean = findings(place, place, "HEAD~1", 120)
         assert clean == [], clean  # the old mistake is on no changed line
-        assert any("src/a.cpp:3:" in line and "modernize-use-nullptr" in line for line in wrong), wrong
+        commit(old + "int f() { return 1; }\nint* fresh = 0;\n")
+        wrong = findings(place, place, "HEAD~1", 120)
+        assert wrong is not None and any("src/a.cpp:3:" in line and "modernize-use-nullptr" in line for line in wrong), wrong
 
 
 def main():

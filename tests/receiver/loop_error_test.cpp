@@ -28,7 +28,7 @@ TEST(LoopError, DetectorIsThatOfNoisyPrompts) {
             sum += output / n;
             square += output * output / n;
         }
-        const PhaseDetector detector = phase_detector(snr);
+        const DiscriminatorResponse detector = phase_detector(snr);
         const double variance = (square - sum * sum) / (4.0 * pi * pi);
         EXPECT_NEAR(sum / off, detector.slope, 4.0 * std::sqrt(square / n) / off) << snr;
         EXPECT_GT(detector.variance / variance, 0.94) << snr;

@@ -235,6 +235,36 @@ TEST(Search, FindsAsOftenAsTheNoncentralChiSquareSays) {
     EXPECT_LT(probability, 0.9);
 }
 
+/// What is found is off by as much as it says: the tracker begins with that.
+TEST(Search, ItsErrorsAreThoseOfItsCells) {
+    const SignalStructure gps = gps_l1_ca();
+    const CorrelatorModel model(CorrelationPeak(gps.chip_rate), 0.5);
+    math::Random random(6, "search");
+    const LineOfSight truth{2.2e7, 0.0, 0.0, 0.0};
+    double code = 0.0, frequency = 0.0;
+    constexpr int runs = 400;
+    ReplicaUncertainty stated;
+    for (int i = 0; i < runs; ++i) {
+        Replica centre = aligned_replica(gps, truth);
+        centre.code_phase += 4.0 * random.uniform() - 2.0;
+        centre.carrier_frequency += 600.0 * random.uniform() - 300.0;
+        Search search(gps, model, {}, {3.0, 400.0}, centre);
+        LineOfSight now = truth;
+        while (!search.step(now, cn0_from_db(45.0), random)) now = now.after(search.dwell());
+        const ReplicaError e = replica_error(gps, search.replica(), now.after(search.dwell()), 0.0);
+        stated = search.uncertainty();
+        code += e.code * e.code / runs;
+        frequency += e.frequency * e.frequency / runs;
+    }
+    EXPECT_LT(code / (stated.code * stated.code), 1.5);
+    EXPECT_GT(code / (stated.code * stated.code), 0.3);
+    EXPECT_LT(frequency / (stated.frequency * stated.frequency), 1.5);
+    EXPECT_GT(frequency / (stated.frequency * stated.frequency), 0.3);
+    Scene s;
+    s.tracker.start(s.aligned(), 0, {0.2, 30.0});
+    EXPECT_DOUBLE_EQ(s.tracker.code_variance(), 0.04);
+}
+
 /// Time until the signal is found and followed in phase, s; -1 when not within `limit`.
 double start_time(const SearchWindow& window, const SearchSettings& settings, const Replica& offset, bool time_known, double db,
                   bool aided, double limit, std::uint64_t seed = 1) {

@@ -3,7 +3,6 @@
 #include "schuler/settings/request.h"
 #include "schuler/settings/scenario/scenario.h"
 #include "schuler/solution/bundle.h"
-#include "schuler/solution/evaluate.h"
 #include "schuler/solution/fuse.h"
 #include "schuler/study/comparison/compare.h"
 #include "schuler/study/comparison/compare_campaign.h"
@@ -50,7 +49,7 @@ TEST(CampaignSolution, TheReceiverAloneIsComparedAtItsAntenna) {
             for (ReferenceSample& s : bundle.data.recording.reference) s.rpy = not_given3();
         solution::fuse_and_evaluate(bundle, warnings, scenario.sim.reference_rate, {});
         EXPECT_TRUE(bundle.at_antenna());
-        const std::vector<ReferenceSample> shown = solution::reference_of_solution(bundle.data);
+        const std::vector<ReferenceSample>& shown = bundle.reference();
         EXPECT_EQ(shown.size(), bundle.data.recording.reference.size());
         const Eigen::Vector3d moved = earth::ned_difference(bundle.data.config.filter.earth, shown.front().position,
                                                             bundle.data.recording.reference.front().position);

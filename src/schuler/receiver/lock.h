@@ -8,19 +8,38 @@
 
 namespace schuler::receiver {
 
-/// C/N0 from the mean power of prompts, noise known to have unit variance in I and Q: an aligned prompt of T s has
-/// E|P|^2 = 2 C/N0 T R0^2 + 2 R0. Exponential average.
-class Cn0Estimator {
+/// Exponential average of C/N0 from the power of prompts, noise known to have unit variance in I and Q: an aligned prompt of T s has
+/// E|P|^2 = 2 C/N0 T R0^2 + 2 R0.
+class Cn0Average {
 public:
     /// @param interval s per prompt; @param time_constant s; @param peak R0 = R(0) of the front end; @param guess initial, Hz.
-    Cn0Estimator(double interval, double time_constant, double peak, double guess)
+    Cn0Average(double interval, double time_constant, double peak, double guess)
         : time_constant_(time_constant), peak_(peak), cn0_(guess) {
         change_interval(interval);
     }
+    void change_interval(double interval) {
+        interval_ = interval;
+        gain_ = std::min(1.0, interval / time_constant_);
+    }
+
+protected:
+    /// By one prompt, Hz.
+    [[nodiscard]] double cn0_of(std::complex<double> prompt) const {
+        return (std::norm(prompt) - 2.0 * peak_) / (2.0 * interval_ * peak_ * peak_);
+    }
+
+    double time_constant_, peak_, cn0_;
+    double interval_ = 0.0, gain_ = 0.0;
+};
+
+/// The average that a channel states.
+class Cn0Estimator : public Cn0Average {
+public:
+    using Cn0Average::Cn0Average;
 
     void add(std::complex<double> prompt) {
         mean_gain_ = std::max(gain_, mean_gain_ / (1.0 + mean_gain_));
-        cn0_ += mean_gain_ * ((std::norm(prompt) - 2.0 * peak_) / (2.0 * interval_ * peak_ * peak_) - cn0_);
+        cn0_ += mean_gain_ * (cn0_of(prompt) - cn0_);
     }
     /// Continues from a value as accurate as an average over the time constant, or restarts: the mean of the following
     /// data.
@@ -29,38 +48,25 @@ public:
         mean_gain_ = gain_;
     }
     void forget() { mean_gain_ = 1e9; }
-    void change_interval(double interval) {
-        interval_ = interval;
-        gain_ = std::min(1.0, interval / time_constant_);
-    }
     /// Hz; not below 1 Hz.
     [[nodiscard]] double cn0() const { return std::max(1.0, cn0_); }
 
 private:
-    double time_constant_, peak_, cn0_;
-    double interval_ = 0.0, gain_ = 0.0, mean_gain_ = 0.0;
+    double mean_gain_ = 0.0;
 };
 
 /// C/N0 of the last prompts, to tell where an average no longer describes the noise of a loop: a signal that fades or breaks off. The
 /// averaging time is the memory of the loop, 1/(2 bandwidth). The amplitude of a prompt has unit noise: one that is smaller than
 /// expected by more than that allows restarts the mean, since an average takes long to forget a strong signal.
-class FadingCn0 {
+class FadingCn0 : public Cn0Average {
 public:
-    /// @param interval s per prompt; @param time_constant s; @param peak R0 = R(0) of the front end; @param guess initial, Hz.
-    FadingCn0(double interval, double time_constant, double peak, double guess)
-        : time_constant_(time_constant), peak_(peak), cn0_(guess) {
-        change_interval(interval);
-    }
+    using Cn0Average::Cn0Average;
 
     void add(std::complex<double> prompt) {
         constexpr double breaks_off = 3.0;  // sigmas
-        const double unit = 2.0 * interval_ * peak_, power = std::norm(prompt) / peak_, now = (power - 2.0) / unit;
-        if (std::sqrt(power) + breaks_off < std::sqrt(unit * std::max(0.0, cn0_))) cn0_ = now;
-        else cn0_ += gain_ * (now - cn0_);
-    }
-    void change_interval(double interval) {
-        interval_ = interval;
-        gain_ = std::min(1.0, interval / time_constant_);
+        const double amplitude = std::abs(prompt) / std::sqrt(peak_);
+        const bool broken = amplitude + breaks_off < std::sqrt(2.0 * interval_ * peak_ * std::max(0.0, cn0_));
+        cn0_ += (broken ? 1.0 : gain_) * (cn0_of(prompt) - cn0_);
     }
     /// The C/N0 to be assumed for the noise of the last prompts, Hz: `averaged`, or if the mean of the last ones differs from it by
     /// more than its scatter explains, this mean. Not below 1 Hz.
@@ -78,9 +84,6 @@ private:
         return 2.0 * std::sqrt((unit * cn0 + 1.0) * gain_ / (2.0 - gain_)) / unit;
     }
     [[nodiscard]] bool differs(double averaged) const { return std::abs(cn0_ - averaged) > scatters * scatter(averaged); }
-
-    double time_constant_, peak_, cn0_;
-    double interval_ = 0.0, gain_ = 0.0;
 };
 
 /// Narrow-band difference over narrow-band power, the low-passed (I^2 - Q^2) / (I^2 + Q^2) [VanDierendonck1996]: near cos(2 phi)

@@ -14,14 +14,14 @@ constexpr double any_phase = 1.0 / 48.0;  ///< cycles^2, uniform within half a c
 
 }  // namespace
 
-PhaseDetector phase_detector(double snr) {
+DiscriminatorResponse phase_detector(double snr) {
     // the smaller of both limits, with a smooth transition: above the integral over the density of the angle by up to 24 % at an snr of
     // one half, below it by 5 % at three
     const double jitter = (1.0 + 1.0 / (2.0 * snr)) / (2.0 * snr) / (4.0 * pi * pi);
     return {-std::expm1(-snr), 1.0 / std::hypot(1.0 / jitter, 1.0 / any_phase)};
 }
 
-PhaseDetector frequency_detector(double snr, double interval, double range) {
+DiscriminatorResponse frequency_detector(double snr, double interval, double range) {
     const double jitter = (1.0 + 1.0 / snr) / snr / std::pow(2.0 * pi * interval, 2), one = -std::expm1(-snr);
     return {one * one, 1.0 / std::hypot(1.0 / jitter, 3.0 / (range * range))};
 }

@@ -11,19 +11,19 @@ namespace schuler::receiver {
 /// follow the phase: a third of the 45 degrees to the limit of its discriminator [Kaplan2017]. Cycles.
 inline constexpr double phase_threshold = 15.0 / 360.0;
 
-/// Costas arctangent at `snr` = C/N0 T, linearised about the phase of the signal (quasi-linear: mean and variance of the output).
-struct PhaseDetector {
+/// A carrier discriminator linearised about the signal (quasi-linear: mean and variance of the output).
+struct DiscriminatorResponse {
     double slope;     ///< of the mean output over the error
-    double variance;  ///< cycles^2, of the output
+    double variance;  ///< of the output, cycles^2 or Hz^2
 };
-/// The angle of a constant vector in Gaussian noise has the density exp(-snr) / pi at +-90 degrees, together, where the output jumps by
+/// Costas arctangent at `snr` = C/N0 T. The angle of a constant vector in Gaussian noise has the density exp(-snr) / pi at +-90 degrees, together, where the output jumps by
 /// half a cycle: the slope is 1 - exp(-snr). Without a signal the output is uniform, 1/48 cycles^2; with one its variance is that of
 /// the closed formulas with squaring loss [Kaplan2017].
-[[nodiscard]] PhaseDetector phase_detector(double snr);
+[[nodiscard]] DiscriminatorResponse phase_detector(double snr);
 
 /// Frequency discriminator of two prompts of `interval` s each at `snr` = C/N0 interval: variance in Hz^2 [Kaplan2017]. `range`: it
 /// delivers values within +-range Hz, uniform without a signal; the slope is about that of two independent angles.
-[[nodiscard]] PhaseDetector frequency_detector(double snr, double interval, double range);
+[[nodiscard]] DiscriminatorResponse frequency_detector(double snr, double interval, double range);
 
 /// One mode of tracking as a linear system in the errors of the replica, replica minus signal, from update to update. Built from the
 /// loop filters themselves by applying them to unit errors, so that it is the sampled loop that is described and not its continuous

@@ -291,7 +291,7 @@ void Tracker::follow_error(double phase, double assumed) {
     DiscriminatorNoise noise;
     noise.code_slope = std::min(1.0, surely / floor) * limited.slope;
     noise.code_variance = limited.variance;
-    PhaseDetector carrier{0.0, 0.0};
+    DiscriminatorResponse carrier{0.0, 0.0};
     switch (mode_) {
         case Mode::Blind: carrier = frequency_detector(cn0 * period_ * peak_, period_, 0.5 / period_); break;
         case Mode::Aligned: carrier = frequency_detector(cn0 * interval / 2.0 * peak_, interval / 2.0, 1.0 / interval); break;

@@ -6,7 +6,6 @@
 #include "schuler/report/sky.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/solution/bundle.h"
-#include "schuler/solution/evaluate.h"
 #include "schuler/solution/events.h"
 
 #include <span>
@@ -303,7 +302,7 @@ void write_run(io::TableWriter& file, const solution::ResultBundle& b) {
     add_innovations(file, b.result.aids);
     add_sky(file, b.data.recording.ranges, sky_rows(b));
     add_outages(file, "/outages", b.solution().outage_epochs);
-    add_reference(file, solution::reference_of_solution(b.data));
+    add_reference(file, b.reference());
     add_errors(file, "/errors", b.evaluation.errors);
     add_errors(file, "/errors_forward", b.evaluation.errors_forward);
     file.attribute("/", "name", b.name);

@@ -5,7 +5,6 @@
 #include "schuler/report/run_report.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/solution/bundle.h"
-#include "schuler/solution/evaluate.h"
 #include "schuler/solution/health.h"
 #include "schuler/solution/provenance.h"
 
@@ -211,7 +210,7 @@ report::ReportInput report_page(const solution::ResultBundle& b) {
     data.smoothed = b.smoothed();
     data.solution = c.filter.output_rate > 0.0 ? rows : decimated(rows, 10.0);
     data.gnss = b.data.recording.gnss;
-    data.reference = solution::reference_of_solution(b.data);
+    data.reference = b.reference();
     data.reference_name = b.evaluation.reference == "truth"  ? "truth"
                           : b.evaluation.reference == "file" ? "reference file"
                           : b.evaluation.reference == "gnss" ? "withheld GNSS"

@@ -58,6 +58,10 @@ struct ResultBundle {
         return data.config.scheme == settings::Scheme::Gnss || data.config.filter.output_at_antenna;
     }
     [[nodiscard]] const fusion::Trajectory& solution() const { return smoothed() ? result.smoothed : result.forward; }
+    /// The reference of the point whose motion the solution is; of the IMU where its attitude does not show that of the antenna.
+    [[nodiscard]] const std::vector<ReferenceSample>& reference() const {
+        return evaluation.at_antenna.empty() ? data.recording.reference : evaluation.at_antenna;
+    }
     [[nodiscard]] double relative(Time t) const { return (t - data.origin).seconds(); }
 };
 

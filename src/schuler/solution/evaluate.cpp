@@ -26,10 +26,6 @@ bool has_position(const std::vector<ReferenceSample>& reference) {
     return std::ranges::any_of(reference, [](const ReferenceSample& s) { return s.position.lat == s.position.lat; });
 }
 
-bool has_attitude(const std::vector<ReferenceSample>& reference) {
-    return std::ranges::any_of(reference, [](const ReferenceSample& s) { return s.rpy.allFinite(); });
-}
-
 /// True if the reference agrees with the fixes. An autopilot's own estimate may use another height reference: outages are then
 /// evaluated with the withheld fixes.
 bool among_the_fixes(const LoadedDataset& data, const std::vector<ReferenceSample>& reference) {
@@ -115,14 +111,6 @@ bool of_two_points(const LoadedDataset& data) {
 
 }  // namespace
 
-std::vector<ReferenceSample> reference_of_solution(const LoadedDataset& data) {
-    const std::vector<ReferenceSample>& own = data.recording.reference;
-    if (!of_two_points(data)) return own;
-    std::vector<ReferenceSample> moved =
-        analysis::reference_at(data.config.filter.earth, own, data.config.filter.gnss.lever_arm_b);
-    return moved.empty() ? own : moved;
-}
-
 Evaluation evaluate(const LoadedDataset& data, const fusion::Result& result, const HiddenTruth& truth) {
     Evaluation out;
     const settings::Config& c = data.config;
@@ -130,8 +118,12 @@ Evaluation evaluate(const LoadedDataset& data, const fusion::Result& result, con
     const fusion::Trajectory& solution = smoothed ? result.smoothed : result.forward;
     out.settled = c.run.settle ? data.origin + Duration::from_seconds(*c.run.settle)
                                : result.findings.aligned_at + Duration::from_seconds(default_settle);
-    const std::vector<ReferenceSample> reference = comparable(solution.rows, reference_of_solution(data));
-    out.at_another_point = of_two_points(data) && !has_attitude(data.recording.reference);
+    if (of_two_points(data)) {
+        out.at_antenna = analysis::reference_at(c.filter.earth, data.recording.reference, c.filter.gnss.lever_arm_b);
+        out.at_another_point = out.at_antenna.empty();
+    }
+    const std::vector<ReferenceSample> reference =
+        comparable(solution.rows, out.at_antenna.empty() ? data.recording.reference : out.at_antenna);
     if (!reference.empty()) {
         out.reference = data.true_reference ? "truth" : "file";
         out.errors = analysis::errors_against(c.filter.earth, solution.rows, reference);

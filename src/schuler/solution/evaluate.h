@@ -26,6 +26,7 @@ struct AidConsistency {
 struct Evaluation {
     std::string reference;                           ///< "truth", "file", "gnss" or empty
     bool at_another_point = false;                   ///< its errors contain the lever arm, see warn_of_other_point
+    std::vector<ReferenceSample> at_antenna;         ///< the reference there, if the solution is and the reference is not
     Time settled;                                    ///< errors are evaluated from here on
     std::vector<analysis::ErrorRow> errors;          ///< of the solution (smoothed if available)
     std::vector<analysis::ErrorRow> errors_forward;  ///< of the filter, if smoothed
@@ -41,10 +42,6 @@ struct Evaluation {
     analysis::SeparationSummary separated;                    ///< its statistics, without the settling time of both
     std::vector<StateErrors> states;                          ///< of the solution, once per second (simulated data)
 };
-
-/// The reference of the point whose motion the solution is: the antenna with scheme gnss. Where its attitude is missing it is that of the
-/// IMU.
-[[nodiscard]] std::vector<ReferenceSample> reference_of_solution(const LoadedDataset& data);
 
 /// Evaluates a result against the reference of the data set, or against withheld GNSS in outages if there is none. A solution of the antenna
 /// (scheme gnss) is compared with the reference at the antenna, where its attitude shows that.

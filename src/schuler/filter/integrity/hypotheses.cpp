@@ -112,9 +112,6 @@ double beyond_model(double estimate, double sigma) {
     return sigma > 0.0 ? estimate * std::clamp(std::abs(estimate) / sigma - 2.0, 0.0, 1.0) : 0.0;
 }
 
-/// Stationary sigma of a state's process; 0 of one that has none.
-double stationary(const StateProcess& p) { return p.decay > 0.0 ? std::sqrt(0.5 * p.psd / p.decay) : 0.0; }
-
 template <class Frame>
 double speed_sigma(const InertialFilter<Frame>& filter) {
     return std::sqrt(filter.P.diagonal().template segment<3>(Layout::velocity).maxCoeff());
@@ -152,7 +149,7 @@ Matrix9 FilterRun<Frame>::undecided(const InertialModel& model) const {
     // Likewise a latency far from what was measured or told of it: an inertial unit in error leaves as much between it and the fixes.
     if (const int late = model.layout.gnss_latency; late >= 0) {
         const double estimate = filter.parameters(late) - filter.error(late);
-        const double seconds = undecided_part * beyond_model(estimate, stationary(model.process[static_cast<std::size_t>(late)]));
+        const double seconds = undecided_part * beyond_model(estimate, model.process[static_cast<std::size_t>(late)].sigma());
         const Vector3d d = seconds * filter.geographic(model).v_eb_n;
         P.template topLeftCorner<3, 3>() += d * d.transpose();
     }

@@ -21,6 +21,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace schuler::filter {
 
@@ -34,6 +35,8 @@ struct StateProcess {
 
     /// Stationary process of a given sigma and correlation time (s).
     [[nodiscard]] static StateProcess markov(double sigma, double time) { return {1.0 / time, 2.0 * sigma * sigma / time}; }
+    /// Sigma of a stationary process; 0 of one without decay.
+    [[nodiscard]] double sigma() const { return decay > 0.0 ? std::sqrt(0.5 * psd / decay) : 0.0; }
 };
 
 /// Parameters that are constant in a run.

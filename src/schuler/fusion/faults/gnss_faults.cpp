@@ -267,34 +267,37 @@ private:
     double drift_ = 0.1;        // m/s, of the misclosure in this log
 };
 
+/// Fixes of intervals that end with a leap back to the track before them and are `meant(first, last)`.
+template <class Meant>
+std::vector<bool> departed(const Misclosure& misclosure, std::size_t fixes, Meant&& meant) {
+    const Track& track = misclosure.track();
+    Marks out{std::vector<bool>(fixes, false)};
+    for (std::size_t k = 1; k < track.size(); ++k) {
+        if (!misclosure.leaps(k)) continue;
+        const std::size_t left = misclosure.left(k);
+        if (left + 1 < k && meant(left + 1, k - 1)) out.mark(track, left, k - 1);
+    }
+    out.settle(track.size());
+    return out.marked;
+}
+
 }  // namespace
 
 std::vector<bool> strayed_positions(const std::vector<GnssFix>& fixes, const earth::Earth& earth) {
     const Misclosure misclosure(fixes, earth, Direction::Horizontal);
-    const Track& track = misclosure.track();
-    Marks strayed{std::vector<bool>(fixes.size(), false)};
-    for (std::size_t k = 1; k < track.size(); ++k) {
-        if (!misclosure.leaps(k)) continue;
-        const std::size_t left = misclosure.left(k);
-        if (left + 1 < k && misclosure.wanders(left + 1, k - 1)) strayed.mark(track, left, k - 1);
-    }
-    strayed.settle(track.size());
-    return strayed.marked;
+    return departed(misclosure, fixes.size(),
+                    [&](std::size_t first, std::size_t last) { return misclosure.wanders(first, last); });
 }
 
 std::vector<bool> displaced_positions(const std::vector<GnssFix>& fixes, const earth::Earth& earth) {
     std::vector<bool> out(fixes.size(), false);
     for (const Direction direction : {Direction::Horizontal, Direction::Vertical}) {
         const Misclosure misclosure(fixes, earth, direction);
-        const Track& track = misclosure.track();
-        Marks displaced{std::vector<bool>(fixes.size(), false)};
-        for (std::size_t k = 1; k < track.size(); ++k) {
-            if (!misclosure.leaps(k)) continue;
-            const std::size_t left = misclosure.left(k);
-            if (left + least_fixes < k && track.seconds(left + 1, k) >= least_span) displaced.mark(track, left, k - 1);
-        }
-        displaced.settle(track.size());
-        for (std::size_t i = 0; i < fixes.size(); ++i) out[i] = out[i] || displaced.marked[i];
+        const auto long_enough = [&](std::size_t first, std::size_t last) {
+            return last + 1 - first >= least_fixes && misclosure.track().seconds(first, last + 1) >= least_span;
+        };
+        const std::vector<bool> there = departed(misclosure, fixes.size(), long_enough);
+        for (std::size_t i = 0; i < fixes.size(); ++i) out[i] = out[i] || there[i];
     }
     return out;
 }
