@@ -265,10 +265,12 @@ std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& record
                          -2.0, 2.0, true});
         knobs.push_back({"mag.heading_bias_walk_deg", [m](Settings& s, double x) { s.mag.bias_walk = std::exp(x) * m.bias_walk; },
                          -3.0, 3.0, true});
+        // One log draws the deviations of a body only once: they tell little of their sigma.
+        constexpr double half = -0.7, most = 1.0;
         if (m.deviation_std > 0.0)
             knobs.push_back({"mag.heading_deviation_deg",
-                             [m](Settings& s, double x) { s.mag.deviation_std = std::exp(x) * m.deviation_std; }, -2.0, 1.0,
-                             true});
+                             [m](Settings& s, double x) { s.mag.deviation_std = std::exp(x) * m.deviation_std; }, half, most,
+                             true, half, most});
     }
     return knobs;
 }
@@ -290,11 +292,9 @@ Vector3d stated_by_autonomous(const Recording& recording) {
 
 /// Fitted values are limited by the physics of the devices, however quiet they were in the trial: a receiver without stated
 /// sigmas and corrections has correlated errors of a metre (open services reach 2 to 4 m at 95 % horizontally) and a scatter of
-/// some centimetres; a magnetometer's errors change with its vehicle's direction and currents, and one log draws the deviations
-/// of a body only once, so that they tell little of their sigma.
+/// some centimetres; a magnetometer's errors change with its vehicle's direction and currents.
 void keep_physical(Settings& settings, const Settings& before, const Recording& recording, MissingStd missing) {
     constexpr double least_white = 0.1, least_slow = 1.0, least_velocity = 0.02, least_heading = 0.02;  // m, m, m/s, rad
-    constexpr double least_deviation = 0.1;                                                             // rad
     const bool precise = is_precise(recording);
     GnssSettings& g = settings.gnss;
     // The accuracy stated by an autonomous receiver is mostly that of its slow errors, which minutes of a log do not fully reveal.
@@ -320,11 +320,8 @@ void keep_physical(Settings& settings, const Settings& before, const Recording& 
                 g.errors.correlated_position.cwiseMax(g.default_std_position.cwiseMin(most_wander)).cwiseMax(least_slow);
     }
     if (before.gnss.estimate_std && missing.velocity) g.default_std_velocity = g.default_std_velocity.cwiseMax(least_velocity);
-    if (before.imu.estimate_noise && before.mag.use) {
-        MagSettings& m = settings.mag;
-        m.heading_std = std::max(m.heading_std, std::min(least_heading, before.mag.heading_std));
-        m.deviation_std = std::max(m.deviation_std, std::min(least_deviation, before.mag.deviation_std));
-    }
+    if (before.imu.estimate_noise && before.mag.use)
+        settings.mag.heading_std = std::max(settings.mag.heading_std, std::min(least_heading, before.mag.heading_std));
 }
 
 /// Search range of a latency, s.
@@ -424,7 +421,6 @@ void tune(RunData& data, Settings& settings, const Start& start, const FixScreen
     note_floor("gnss.default_std_m", settings.gnss.default_std_position != fitted.gnss.default_std_position);
     note_floor("gnss.default_std_velocity_m_s", settings.gnss.default_std_velocity != fitted.gnss.default_std_velocity);
     note_floor("mag.heading_std_deg", settings.mag.heading_std != fitted.mag.heading_std);
-    note_floor("mag.heading_deviation_deg", settings.mag.deviation_std != fitted.mag.deviation_std);
     if (before.imu.estimate_noise) {
         sensor::ImuErrorModel& imu = settings.imu.errors;
         imu.gyro_noise = as_written(imu.gyro_noise, units::deg_per_sqrt_hour);
