@@ -89,7 +89,11 @@ Circling circling(std::uint64_t seed, double iron_std) {
     Settings& f = c.settings;
     f.vehicle = VehicleKind::Air;
     f.gnss.estimate_std = f.gnss.estimate_latency = false;
-    f.mag = {.declination = declination, .heading_std = white, .bias_std = 0.02, .bias_walk = 1e-4, .deviation_std = iron_std};
+    f.mag = {.declination = declination,
+             .heading_std = white,
+             .bias_std = std::hypot(0.02, iron_std),
+             .bias_walk = 1e-4,
+             .deviation_std = iron_std};
     give_start(f, c.recording, seed);
     return c;
 }

@@ -259,7 +259,7 @@ settings::Config described(const settings::ScenarioConfig& s, const Recording& r
     const sim::MagSettings& mag = s.sim.mag;
     const double level = mag.field * std::cos(mag.inclination);
     c.filter.mag.declination = mag.declination;
-    c.filter.mag.bias_std = std::max(0.01, 2.0 * mag.soft_iron);
+    c.filter.mag.bias_std = std::max(0.01, std::hypot(mag.hard_iron / level, 2.0 * mag.soft_iron));
     c.filter.mag.deviation_std = mag.hard_iron / level;
     c.filter.mag.heading_std = std::max(0.005, mag.white / level);
     c.filter.mag.bias_walk = std::hypot(1e-4, 2.0 * mag.soft_iron * std::sqrt(2.0 / turn_time));

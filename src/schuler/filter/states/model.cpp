@@ -302,12 +302,12 @@ public:
     /// Likewise of a magnetometer, whose heading has two constant errors: its offset and the body's hard iron.
     void magnetic_heading(const MagSettings& mag, const Start& start) {
         constexpr int state = Layout::attitude + 2;
-        set(L_.mag_bias, 1, mag.bias_std);
+        set(L_.mag_bias, 1, mag.offset_std());
         set(L_.hard_iron, 3, mag.deviation_std);
         if (!start.heading_of_mag || L_.mag_bias < 0) return;
         const Eigen::RowVector3d by_iron =
             deviation_by_iron(start.nav.q_nb.toRotationMatrix(), mag.used_declination(), Vector3d::Zero());
-        const double offset = mag.bias_std * mag.bias_std;
+        const double offset = mag.offset_std() * mag.offset_std();
         const double iron = L_.hard_iron < 0 ? 0.0 : mag.deviation_std * mag.deviation_std;
         const double both = offset + iron * by_iron.squaredNorm();
         const double share = both > 0.0 ? std::min(1.0, variance(state) / both) : 0.0;
