@@ -48,7 +48,7 @@ KEYS = {
     "filter.nonholonomic": "false", "filter.nonholonomic_std_lateral_m_s": "0.9", "filter.constraint_rate_hz": "3", "filter.gate_probability": "0.01",
     "filter.floor_m": "3", "filter.loose": '"aggressive"', "filter.aggressive_parts": "4", "filter.separate.restart_s": "20",
     "filter.separate.position_time_s": "33", "filter.separate.baro_time_s": "80", "filter.integrity.use": "true", "filter.integrity.window_s": "33",
-    "filter.protection.use": "true", "filter.protection.missed_detection": "0.01", "mag.use": "false", "mag.heading_std_deg": "9",
+    "filter.protection.use": "true", "filter.protection.missed_detection": "0.01", "mag.use": "false", "mag.heading_std_deg": "9", "mag.heading_deviation_deg": "3",
     "baro.white_m": "4", "gnss.lever_arm_m": "[1, 2, -3]", "gnss.latency_std_s": "0.1", "gnss.correlated_m": "[2, 2, 3]",
     "gnss.consider_errors": "true", "gnss.elevation_mask_deg": "33", "ranges.white_m": "9", "ranges.correlated_m": "7",
     "ranges.use_rates": "false", "ranges.receiver_acceleration_m_s_sqrt_s": "9", "ranges.clock_h0_s": "1e-15", "odometer.std_m_s": "3",

@@ -40,6 +40,7 @@ Layout full_layout() {
     L.lever_arm = L.add("lever_arm", "m", 3);
     L.baro_bias = L.add("baro_bias", "m", 1);
     L.mag_bias = L.add("mag_heading_offset", "rad", 1);
+    L.hard_iron = L.add("mag_hard_iron", "1", 3);
     L.gnss_position = L.add("gnss_position_error", "m", 3);
     L.gnss_velocity = L.add("gnss_velocity_error", "m/s", 3);
     L.gnss_latency = L.add("gnss_latency_error", "s", 1);
@@ -76,6 +77,7 @@ VectorXd sizes(double position, double velocity, double attitude) {
     s.segment<3>(L.lever_arm).setConstant(0.1);
     s(L.axle) = 0.1;
     s(L.mag_bias) = s(L.gnss_latency) = s(L.gnss_velocity_latency) = s(L.odometer_scale) = s(L.heading_offset) = 1e-3;
+    s.segment<3>(L.hard_iron).setConstant(1e-3);
     s(L.log_scale) = s(L.log_misalignment) = s(L.log_misalignment + 1) = 1e-3;
     return s;
 }
@@ -108,6 +110,7 @@ std::vector<Point> random_points(int count) {
         e.parameters.segment<3>(e.layout.lever_arm) = vector(2.0);
         e.parameters(e.layout.baro_bias) = 20.0 * unit(generator);
         e.parameters(e.layout.mag_bias) = unit(generator);
+        e.parameters.segment<3>(e.layout.hard_iron) = vector(0.3);
         e.parameters.segment<3>(e.layout.gnss_position) = vector(2.0);
         e.parameters.segment<3>(e.layout.gnss_velocity) = vector(0.1);
         e.parameters(e.layout.gnss_latency) = 0.05 * unit(generator);
@@ -274,7 +277,8 @@ TEST(Aids, PerfectMeasurementsHaveNoInnovation) {
         EXPECT_NEAR(baro_height(e, e.nav.position.h + e.parameters(e.layout.baro_bias), 1.0).innovation(0), 0.0, 1e-12);
         const double azimuth = 0.3 - e.parameters(e.layout.mag_bias);  // declination less the magnetometer's offset
         const Vector3d field(std::cos(azimuth), std::sin(azimuth), 1.5);
-        EXPECT_NEAR(magnetic_azimuth(e, e.C_nb.transpose() * field, 0.3, 1.0).innovation(0), 0.0, 1e-12);
+        const Vector3d iron = e.parameters.segment<3>(e.layout.hard_iron);  // of a field whose horizontal part is 1
+        EXPECT_NEAR(magnetic_azimuth(e, e.C_nb.transpose() * field + iron, 0.3, 1.0).innovation(0), 0.0, 1e-12);
 
         // A wheel rolls forward where the axle is: v of the IMU = v_axle forward + w x (axle to IMU).
         const Matrix3d C_bv = body_from_vehicle(e.parameters(e.layout.mounting), e.parameters(e.layout.mounting + 1));

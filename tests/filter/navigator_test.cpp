@@ -287,6 +287,7 @@ TEST(Navigator, RefusesForeignAndDamagedBytes) {
     EXPECT_EQ(with([](Settings&) {}), RestoreStatus::Restored);
     EXPECT_EQ(with([](Settings& s) { s.imu.errors.gyro_noise *= 2.0; }), RestoreStatus::OtherSettings);
     EXPECT_EQ(with([](Settings& s) { s.mag.declination = 0.5; }), RestoreStatus::OtherSettings);
+    EXPECT_EQ(with([](Settings& s) { s.mag.deviation_std *= 2.0; }), RestoreStatus::OtherSettings);
     EXPECT_EQ(with([](Settings& s) { s.earth.ellipsoid.gm *= 1.0 + 1e-9; }), RestoreStatus::OtherSettings);
     EXPECT_EQ(with([](Settings& s) { s.earth.gravity = earth::GravityModel::PaperA; }), RestoreStatus::OtherSettings);
     EXPECT_EQ(with([](Settings& s) { s.aids.floor_position = 50.0; }), RestoreStatus::OtherSettings);

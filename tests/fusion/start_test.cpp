@@ -325,6 +325,7 @@ TEST(Start, WhatTheMagnetometerShowedIsNotUsedTwice) {
     f.mag.declination = 0.0;
     const Result r = fuse(recording, f);
     const SolutionRow &first = r.forward.rows.front(), &last = r.forward.rows.back();
+    // of the offset and of the hard iron, both of which the next samples have too
     EXPECT_NEAR(first.std_rpy.z(), f.mag.bias_std, 0.05);
     EXPECT_GT(last.std_rpy.z(), 0.9 * f.mag.bias_std);  // 0.7 of it where two sources seem to agree
     EXPECT_NEAR(math::wrap_pi(last.rpy.z() - 1.0), wrong, 0.05);

@@ -82,6 +82,7 @@ TEST(OptionTable, NamesFileLineKeyAndMend) {
         {"[imu]\nmounting_deg = [0, 1]\n", {"three angles", "estimate"}},
         {"[gnss]\nlever_arm_m = [0, 0, 5000]\n", {"5000 is out of range", "-100 to 100"}},
         {"[gnss]\nlever_arm_m = [0, 0]\n", {"has 2 numbers"}},
+        {"[mag]\nheading_deviation_deg = -1\n", {"dataset.toml:2", "-1 is out of range", "from 0 to 90"}},
         {"[gnss]\nlatency_s = \"guess\"\n", {"is not a latency"}},
         {"[gnss]\nfix_codes = { 1 = \"fixed\" }\n", {"unknown fix type \"fixed\"", "rtk_fixed"}},
         {"[time]\ndate = 2025-13-01\n", {"dataset.toml:2", "TOML"}},
@@ -200,10 +201,16 @@ TEST(OptionTable, WhatWasUsedReadsBackTheSame) {
         EXPECT_EQ(first.filter.initial.rpy, second.filter.initial.rpy);
         EXPECT_EQ(first.filter.initial.gyro_bias, second.filter.initial.gyro_bias);
         EXPECT_EQ(first.filter.mag.bias_std, second.filter.mag.bias_std);
+        EXPECT_EQ(first.filter.mag.deviation_std, second.filter.mag.deviation_std);
         ASSERT_EQ(second.run.outages.size(), 2u);
         EXPECT_TRUE(second.run.outages[1].absolute);
         EXPECT_EQ(second.run.outages[1].start, 1e5);
     }
+}
+
+TEST(OptionTable, DeviationOfTheMagneticHeadingIsInDegrees) {
+    EXPECT_DOUBLE_EQ(parsed("[mag]\nheading_deviation_deg = 4\n").filter.mag.deviation_std, 4.0 * units::deg);
+    EXPECT_EQ(parsed("[mag]\nheading_deviation_deg = 0\n").filter.mag.deviation_std, 0.0);
 }
 
 TEST(OptionTable, DefaultsAreInsideTheirOwnRanges) {

@@ -131,7 +131,8 @@ std::optional<HeadingWitness> magnetic_heading(const RunData& data, const Settin
         if (s.time < t0 || !s.field_b.allFinite() || !settings.mag.use) continue;
         const Eigen::Matrix3d C_level = ins::attitude_from_specific_force(level.f_b, level.f_n, 0.0).toRotationMatrix();
         const Vector3d field = C_level * (C_bs * s.field_b);
-        return HeadingWitness{math::wrap_2pi(data.declination - std::atan2(field.y(), field.x())), settings.mag.bias_std, true};
+        return HeadingWitness{math::wrap_2pi(data.declination - std::atan2(field.y(), field.x())), settings.mag.first_std(),
+                              true};
     }
     return std::nullopt;
 }

@@ -253,15 +253,16 @@ settings::Config described(const settings::ScenarioConfig& s, const Recording& r
     c.filter.baro.bias_std = std::max(s.sim.baro.bias, 1e-3);
     c.filter.baro.bias_walk = s.sim.baro.bias_walk;
     c.filter.baro.bias_time = s.sim.baro.bias_time;
-    // Hard iron changes the heading by its component across it; soft iron by about its coefficients. Both change as the vehicle
-    // turns, which takes some ten seconds.
+    // Hard iron changes the heading by its component across it. Soft iron does by about its coefficients, which changes as the
+    // vehicle turns; a turn takes some ten seconds.
     constexpr double turn_time = 10.0;
     const sim::MagSettings& mag = s.sim.mag;
     const double level = mag.field * std::cos(mag.inclination);
     c.filter.mag.declination = mag.declination;
     c.filter.mag.bias_std = std::max(0.01, std::hypot(mag.hard_iron / level, 2.0 * mag.soft_iron));
+    c.filter.mag.deviation_std = mag.hard_iron / level;
     c.filter.mag.heading_std = std::max(0.005, mag.white / level);
-    c.filter.mag.bias_walk = std::hypot(1e-4, c.filter.mag.bias_std * std::sqrt(2.0 / turn_time));
+    c.filter.mag.bias_walk = std::hypot(1e-4, 2.0 * mag.soft_iron * std::sqrt(2.0 / turn_time));
     // the scenario counts from its start, the command line from the first fix: absolute times have the same meaning for both
     for (const settings::OutageSpan& o : s.outages) c.run.outages.push_back({o.start, o.duration, true});
     return c;

@@ -45,6 +45,7 @@ constexpr std::array reported = {"time.scale",
                                  "mag.declination_deg",
                                  "mag.heading_std_deg",
                                  "mag.heading_bias_walk_deg",
+                                 "mag.heading_deviation_deg",
                                  "reference.file"};
 
 bool describes_data(std::string_view key) {

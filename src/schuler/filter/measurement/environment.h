@@ -9,10 +9,18 @@ namespace schuler::filter {
 /// Height compared with a barometric height; the barometer bias is a state. variance in m^2.
 [[nodiscard]] Measurement baro_height(const Estimate& estimate, double measured, double variance);
 
-/// Azimuth of the levelled magnetic field compared with the declination (rad, east positive); the constant offset is a state.
-/// field_b in any unit. variance in rad^2. dof is 0 if the horizontal field is too small to define a direction.
+/// Azimuth of the levelled magnetic field compared with that of the Earth's field at the declination (rad, east positive) and of
+/// the body's hard iron; a constant offset and the hard iron are states. field_b in any unit. variance in rad^2. dof is 0 if the
+/// horizontal field is too small to define a direction.
+///
+/// A field d that turns with the body, in parts of the Earth's horizontal field, turns the levelled field of a body without tilt
+/// by d_x sin(psi) + d_y cos(psi) to first order, psi: magnetic heading. These are coefficients B and C of a compass' deviation;
+/// d_z acts by the tilt (hard iron and its calibration: [Groves2013:6.1.1]). Large deviations are taken in full.
 [[nodiscard]] Measurement magnetic_azimuth(const Estimate& estimate, const Eigen::Vector3d& field_b, double declination,
                                            double variance);
+
+/// Turn of the levelled field by the body's hard iron: row of the hard iron in body axes, at the value iron_n (local level).
+[[nodiscard]] Eigen::RowVector3d deviation_by_iron(const Eigen::Matrix3d& C_nb, double azimuth, const Eigen::Vector3d& iron_n);
 
 /// The measurement of a sample with the sigma, and the declination and axes of the magnetometer, of the settings.
 [[nodiscard]] Measurement measurement_of(const Estimate& estimate, const BaroSample& sample, const Settings& settings);

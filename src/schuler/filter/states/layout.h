@@ -41,6 +41,7 @@ public:
     int axle = -1;                   ///< 1, m, distance of the IMU ahead of the unsteered axle
     int baro_bias = -1;              ///< 1, m
     int mag_bias = -1;               ///< 1, rad, heading offset of the magnetometer
+    int hard_iron = -1;              ///< 3, body, parts of the level field of the Earth: compass deviations B, C; by tilt
     int gnss_position = -1;          ///< 3, m, correlated GNSS position error, north-east-down
     int gnss_velocity = -1;          ///< 3, m/s, correlated GNSS velocity error, north-east-down
     int gnss_latency = -1;           ///< 1, s, delay of the fixes' positions beyond the assumed latency
@@ -85,7 +86,7 @@ public:
     [[nodiscard]] int without_slots() const { return source < 0 ? size : source; }
 
 private:
-    std::array<LayoutBlock, 32> blocks_{};
+    std::array<LayoutBlock, 36> blocks_{};
     std::size_t count_ = 0;
     bool fits_ = true;
 };

@@ -1,6 +1,7 @@
 #include "schuler/filter/states/model.h"
 
 #include "schuler/core/fail.h"
+#include "schuler/filter/measurement/environment.h"
 #include "schuler/filter/update/correction_period.h"
 #include "schuler/math/chi_square.h"
 #include "schuler/math/rotation.h"
@@ -53,7 +54,10 @@ Layout layout_with(const Settings& settings, const Sensors& sensors) {
         L.axle = L.add("axle", "m", 1);
     }
     if (sensors.baro && settings.baro.use) L.baro_bias = L.add("baro_bias", "m", 1);
-    if (sensors.mag && settings.mag.use) L.mag_bias = L.add("mag_heading_offset", "rad", 1);
+    if (sensors.mag && settings.mag.use) {
+        L.mag_bias = L.add("mag_heading_offset", "rad", 1);
+        if (settings.mag.deviation_std > 0.0) L.hard_iron = L.add("mag_hard_iron", "1", 3);
+    }
     if (sensors.odometer && settings.odometer.use) L.odometer_scale = L.add("odometer_scale", "1", 1);
     if (sensors.heading && settings.heading.use && settings.heading.offset_std > 0.0)
         L.heading_offset = L.add("heading_offset", "rad", 1);
@@ -295,6 +299,21 @@ public:
         set(own, 1, sigma);
         if (own >= 0 && started_by_it) tie(own, state, std::min(sigma * sigma, variance(state)));
     }
+    /// Likewise of a magnetometer, whose heading has two constant errors: its offset and the body's hard iron.
+    void magnetic_heading(const MagSettings& mag, const Start& start) {
+        constexpr int state = Layout::attitude + 2;
+        set(L_.mag_bias, 1, mag.offset_std());
+        set(L_.hard_iron, 3, mag.deviation_std);
+        if (!start.heading_of_mag || L_.mag_bias < 0) return;
+        const Eigen::RowVector3d by_iron =
+            deviation_by_iron(start.nav.q_nb.toRotationMatrix(), mag.used_declination(), Vector3d::Zero());
+        const double offset = mag.offset_std() * mag.offset_std();
+        const double iron = L_.hard_iron < 0 ? 0.0 : mag.deviation_std * mag.deviation_std;
+        const double both = offset + iron * by_iron.squaredNorm();
+        const double share = both > 0.0 ? std::min(1.0, variance(state) / both) : 0.0;
+        tie(L_.mag_bias, state, share * offset);
+        for (int i = 0; L_.hard_iron >= 0 && i < 3; ++i) tie(L_.hard_iron + i, state, -share * iron * by_iron(i));
+    }
     /// A first barometric height that contradicts the stated bias takes precedence; the bias then has the error of the height used, and
     /// thus its correlations with all states set before.
     void baro(double first_height, const BaroSettings& settings, const NavState& nav) {
@@ -392,7 +411,7 @@ void set_out(FilterRun<Frame>& run, const InertialModel& model, const Settings& 
         f.parameters.template segment<3>(L.lever_arm) = settings.gnss.lever_arm_b;
         P.set(L.lever_arm, 3, settings.gnss.lever_arm_std);
     }
-    P.shown_heading(L.mag_bias, settings.mag.bias_std, start.heading_of_mag);
+    P.magnetic_heading(settings.mag, start);
     P.set(L.odometer_scale, 1, settings.odometer.scale_std);
     P.shown_heading(L.heading_offset, settings.heading.offset_std, start.heading_of_sensor);
     P.set(L.gauge_level, L.gauges, settings.gauges.level_std);

@@ -273,7 +273,7 @@ void StartUp::add_mag(const Vector3d& field_b, double declination) {
     if (!m.level || m.has_heading || phase() == Phase::Gyrocompassing) return;
     if (!stands() && (m.now - m.first).seconds() < patience) return;
     const Vector3d rpy = math::rpy_from_quaternion(m.q_wb);
-    found(ins::heading_from_magnetometer(field_b, rpy.x(), rpy.y(), declination), settings_.filter.mag.bias_std);
+    found(ins::heading_from_magnetometer(field_b, rpy.x(), rpy.y(), declination), settings_.filter.mag.first_std());
     m.heading_of_mag = true;
 }
 

@@ -265,6 +265,12 @@ std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& record
                          -2.0, 2.0, true});
         knobs.push_back({"mag.heading_bias_walk_deg", [m](Settings& s, double x) { s.mag.bias_walk = std::exp(x) * m.bias_walk; },
                          -3.0, 3.0, true});
+        // One log draws the deviations of a body only once: they tell little of their sigma.
+        constexpr double half = -0.7, most = 1.0;
+        if (m.deviation_std > 0.0)
+            knobs.push_back({"mag.heading_deviation_deg",
+                             [m](Settings& s, double x) { s.mag.deviation_std = std::exp(x) * m.deviation_std; }, half, most,
+                             true, half, most});
     }
     return knobs;
 }
@@ -424,6 +430,7 @@ void tune(RunData& data, Settings& settings, const Start& start, const FixScreen
         if (settings.gnss.jitter) settings.gnss.jitter = as_written(*settings.gnss.jitter, 1.0);
         settings.mag.heading_std = as_written(settings.mag.heading_std, units::deg);
         settings.mag.bias_walk = as_written(settings.mag.bias_walk, units::deg);
+        settings.mag.deviation_std = as_written(settings.mag.deviation_std, units::deg);
     }
     findings.std_position_scale = settings.gnss.default_std_position.cwiseQuotient(before.gnss.default_std_position);
     findings.std_velocity_scale = settings.gnss.default_std_velocity.cwiseQuotient(before.gnss.default_std_velocity);

@@ -49,6 +49,10 @@ void add_environment(OptionTable<Config>& table) {
                             mag(&MagSettings::bias_std)))
         .add(number<Config>("mag.heading_bias_walk_deg", units::deg, 0, 180, "random walk of the error of the magnetic heading",
                             mag(&MagSettings::bias_walk)))
+        .add(
+            number<Config>("mag.heading_deviation_deg", units::deg, 0, 90,
+                           "constant deviation of the magnetic heading by the body's hard iron, one sigma of each axis; 0 = none",
+                           mag(&MagSettings::deviation_std)))
         .add(flag<Config>("odometer.use", "use the odometer's speed", [](auto& c) -> auto& { return c.filter.odometer.use; }))
         .add(number<Config>("odometer.std_m_s", 1.0, 1e-4, 100, "white noise of the speed, where the log gives none",
                             [](auto& c) -> auto& { return c.filter.odometer.std; }))

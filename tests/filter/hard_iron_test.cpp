@@ -1,0 +1,146 @@
+// Hard iron of a magnetometer: what it does to the heading, and whether the filter knows it once the body has turned.
+#include "fusion/car_drive.h"
+
+#include "schuler/filter/measurement/environment.h"
+#include "schuler/filter/states/model.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string_view>
+
+namespace schuler::fusion {
+namespace {
+
+using namespace testing;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr double level = 2e-5, down = 4e-5;  // T, the Earth's field
+constexpr double declination = 0.1, white = 0.02;
+
+Vector3d earth_field() { return {level * std::cos(declination), level * std::sin(declination), down}; }
+
+// Without tilt the levelled field turns by the classical B sin + C cos of the magnetic heading, up to the square of the deviation.
+TEST(HardIron, DeviatesAsTheCoefficientsBAndC) {
+    filter::Estimate e;
+    e.parameters.setZero(16);
+    for (const double size : {0.1, 0.01, 0.001}) {
+        const Vector3d iron = size * Vector3d(0.8, -0.6, 0.5);
+        for (double heading = 0.0; heading < 6.3; heading += 0.3) {
+            e.C_nb = math::dcm_from_rpy({0.0, 0.0, heading});
+            const Vector3d field_b = e.C_nb.transpose() * earth_field() + level * iron;
+            const double turned = magnetic_azimuth(e, field_b, declination, 1.0).innovation(0), magnetic = heading - declination;
+            EXPECT_NEAR(turned, iron.x() * std::sin(magnetic) + iron.y() * std::cos(magnetic), size * size) << heading;
+        }
+    }
+}
+
+// With its states at the truth nothing is left, however large the iron and the tilt are.
+TEST(HardIron, IsTakenInFullAtAnyTilt) {
+    filter::Estimate e;
+    e.layout.mag_bias = e.layout.add("mag_heading_offset", "rad", 1);
+    e.layout.hard_iron = e.layout.add("mag_hard_iron", "1", 3);
+    e.parameters.setZero(20);
+    const Vector3d iron(0.4, -0.3, 0.5);
+    e.parameters.segment<3>(e.layout.hard_iron) = iron;
+    for (double heading = 0.0; heading < 6.3; heading += 0.3) {
+        e.C_nb = math::dcm_from_rpy({0.7, -0.4, heading});
+        const Vector3d field_b = e.C_nb.transpose() * earth_field() + level * iron;
+        EXPECT_NEAR(magnetic_azimuth(e, field_b, declination, 1.0).innovation(0), 0.0, 1e-12);
+    }
+    // A body's field that cancels the Earth's leaves no direction.
+    e.C_nb.setIdentity();
+    e.parameters.segment<3>(e.layout.hard_iron) = Vector3d(-std::cos(declination), -std::sin(declination), 0.0);
+    EXPECT_EQ(magnetic_azimuth(e, earth_field(), declination, 1.0).dof, 0);
+}
+
+/// An aircraft in circles whose fixes are poor: the heading is the magnetometer's.
+struct Circling {
+    Recording recording;
+    Settings settings;
+    Vector3d iron;  ///< parts of the Earth's horizontal field
+};
+
+Circling circling(std::uint64_t seed, double iron_std) {
+    sim::Scenario s;
+    s.seed = seed;
+    s.duration = 180.0;
+    s.origin = Time::from_seconds(1000.0);
+    sim::FigureEightPath path;
+    path.start = {48.0 * deg, 11.0 * deg, 500.0};
+    path.length = 400.0;
+    path.width = 200.0;
+    path.period = 60.0;
+    s.path = path;
+    s.imu.errors = mems();
+    s.gnss.rate = 1.0;
+    s.gnss.white_position = Vector3d(3.0, 3.0, 5.0);
+    s.gnss.white_velocity = Vector3d(0.5, 0.5, 0.8);
+    Circling c{sim::simulate(s).recording, settings_of(s), {}};
+    math::Random random(seed, "iron");
+    c.iron = iron_std * random.normal3();
+    for (const ReferenceSample& t : c.recording.reference) {
+        const Matrix3d C_bn = math::dcm_from_rpy(t.rpy).transpose();
+        c.recording.mag.push_back({t.time, C_bn * earth_field() + level * (c.iron + white * random.normal3())});
+    }
+    Settings& f = c.settings;
+    f.vehicle = VehicleKind::Air;
+    f.gnss.estimate_std = f.gnss.estimate_latency = false;
+    f.mag = {.declination = declination,
+             .heading_std = white,
+             .bias_std = std::hypot(0.02, iron_std),
+             .bias_walk = 1e-4,
+             .deviation_std = iron_std};
+    give_start(f, c.recording, seed);
+    return c;
+}
+
+TEST(HardIron, IsKnownOnceTheBodyHasTurned) {
+    constexpr double iron_std = 0.15;
+    constexpr int runs = 12;
+    double heading_nees = 0.0, iron_nees = 0.0, epochs = 0.0;
+    for (std::uint64_t seed = 1; seed <= runs; ++seed) {
+        const Circling c = circling(seed, iron_std);
+        const Result r = fuse(c.recording, c.settings);
+        const auto states = std::ranges::find(r.states, std::string_view("mag_hard_iron"), &filter::LayoutBlock::name);
+        ASSERT_NE(states, r.states.end());
+        const auto first = static_cast<std::size_t>(states->offset - filter::Layout::navigation);
+        for (std::size_t i = 0; i < 3; ++i) {
+            const double sigma = r.forward.parameters.back().std[first + i];
+            const double error = r.forward.parameters.back().value[first + i] - c.iron(static_cast<Eigen::Index>(i));
+            EXPECT_LT(std::abs(error), 3.0 * sigma + 0.005) << "seed " << seed << ", axis " << i;
+            EXPECT_LT(sigma, (i < 2 ? 0.1 : 0.9) * iron_std);  // the vertical one shows in banks alone
+            iron_nees += error * error / (sigma * sigma) / (3.0 * runs);
+        }
+        for (const analysis::ErrorRow& e : errors(c.settings, r.forward.rows, c.recording)) {
+            if (e.time.seconds() < 1030.0) continue;
+            heading_nees += e.rpy.z() * e.rpy.z() / (e.std_rpy.z() * e.std_rpy.z());
+            epochs += 1.0;
+        }
+    }
+    EXPECT_GT(iron_nees, 0.5);
+    EXPECT_LT(iron_nees, 1.6);
+    EXPECT_GT(heading_nees / epochs, 0.4);
+    EXPECT_LT(heading_nees / epochs, 1.8);
+}
+
+// No state without a sigma, and none without a magnetometer.
+TEST(HardIron, HasStatesOnlyWhereItMayBe) {
+    Settings s;
+    filter::Sensors sensors;
+    EXPECT_LT(filter::layout_with(s, sensors).hard_iron, 0);
+    sensors.mag = true;
+    const filter::Layout with = filter::layout_with(s, sensors);
+    EXPECT_GT(with.hard_iron, 0);
+    s.mag.deviation_std = 0.0;
+    EXPECT_LT(filter::layout_with(s, sensors).hard_iron, 0);
+    EXPECT_EQ(filter::layout_with(s, sensors).size, with.size - 3);
+    s.mag.use = false;
+    EXPECT_LT(filter::layout_with(s, sensors).mag_bias, 0);
+}
+
+}  // namespace
+}  // namespace schuler::fusion
