@@ -65,7 +65,7 @@ struct Opening {
 
 /// Whether competing hypotheses are formed when fixes are refused.
 enum class Rivalry {
-    None,     ///< consistent refused fixes are finally accepted: start-up trials
+    None,     ///< consistent refused fixes are finally accepted: trials of noise and mounting
     Contest,  ///< two hypotheses run in parallel until the data decide
     Decided   ///< the openings determined by a contest are given: the smoother's pass
 };
