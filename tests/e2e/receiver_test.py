@@ -192,7 +192,7 @@ def jamming(program, source):
                                 ('systems = "G"', 'systems = "-"', "no satellite is ever in view"),
                                 ('systems = "G"', 'systems = "G"\nrate_hz = 1', "ranges.rate_hz: ranges are measured by"),
                                 ("correlated_m = 0.5", 'stations = [{ id = "A" }]', "ranges.stations: a satellite receiver"),
-                                ("correlated_m = 0.5", 'fault = [{ source = "G05" }]', "ranges.fault: are faults of ranges")):
+                                ("correlated_m = 0.5", "multipath_m = 1", "ranges.multipath_m: reflections are not simulated")):
         bad = Path(program.folder) / "bad.toml"
         check(old in short, f"{old!r} is in the example")
         bad.write_text(short.replace(old, new, 1))
