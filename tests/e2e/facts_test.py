@@ -136,6 +136,22 @@ def facts_curves(program, source):
         check(abs(late - 0.12) < 3.0 * sigma, f"0.12 s late: {late} +- {sigma} s")
 
 
+def facts_heading(program, source):
+    """quad_apm_106: a quadcopter that moves little at first. Its heading at the start is inside its sigma, by the autopilot's estimate, whatever
+    the latency: a trial of another heading must not win by giving way to the fixes that refute it."""
+    log = Path(os.environ.get("SCHULER_DATA", source.parent / "shared/data")) / "quad_apm_106"
+    if not log.is_dir():
+        print(f"skipped: {log} is not there (set SCHULER_DATA)")
+        sys.exit(77)
+    truth = -4.19
+    for given in ([], ["--set", "gnss.latency_s=0.0301"]):
+        summary = summary_of(program, log, "-o", "out", "--outputs", "summary", "--self-check", "off", *given)
+        found = facts_of(summary)["initial.heading_deg"]
+        off = math.remainder(found["value"] - truth, 360.0)
+        check(abs(off) < 30.0 and abs(off) < 3.0 * found["sigma"], f"{given}: {found}, {off:.1f} deg off")
+        check(not any("restarted" in text for text in summary["warnings"]), f"{given}: {summary['warnings']}")
+
+
 def facts_real(program, source):
     """drive_0708: a dataset.toml that says less than could be found is as good as none; a latency that counts twice is told."""
     data = Path(os.environ.get("SCHULER_DATA", source.parent / "shared/data"))
@@ -273,5 +289,6 @@ def facts_raw(program, source):
 
 
 if __name__ == "__main__":
-    main({"facts_partial": facts_partial, "facts_repeat": facts_repeat, "facts_curves": facts_curves, "facts_real": facts_real, "facts_checked": facts_checked,
+    main({"facts_partial": facts_partial, "facts_repeat": facts_repeat, "facts_curves": facts_curves, "facts_real": facts_real, "facts_heading": facts_heading,
+          "facts_checked": facts_checked,
           "facts_raw": facts_raw})
