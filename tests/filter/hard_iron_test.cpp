@@ -9,7 +9,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <string_view>
+#include <variant>
 
 namespace schuler::fusion {
 namespace {
@@ -65,16 +67,12 @@ struct Circling {
 };
 
 Circling circling(std::uint64_t seed, double iron_std) {
-    sim::Scenario s;
-    s.seed = seed;
+    sim::Scenario s = flight_in_curves(seed, 0.0);
     s.duration = 180.0;
-    s.origin = Time::from_seconds(1000.0);
-    sim::FigureEightPath path;
-    path.start = {48.0 * deg, 11.0 * deg, 500.0};
+    auto& path = std::get<sim::FigureEightPath>(s.path);
     path.length = 400.0;
     path.width = 200.0;
     path.period = 60.0;
-    s.path = path;
     s.imu.errors = mems();
     s.gnss.rate = 1.0;
     s.gnss.white_position = Vector3d(3.0, 3.0, 5.0);
@@ -125,6 +123,32 @@ TEST(HardIron, IsKnownOnceTheBodyHasTurned) {
     EXPECT_LT(iron_nees, 1.6);
     EXPECT_GT(heading_nees / epochs, 0.4);
     EXPECT_LT(heading_nees / epochs, 1.8);
+}
+
+/// A heading set by the magnetometer has its errors: its next sample tells nothing but noise until the body turns.
+TEST(HardIron, IsThatOfAHeadingSetByTheMagnetometer) {
+    filter::Sensors sensors;
+    sensors.mag = true;
+    Settings s;
+    s.mag = {.declination = declination, .heading_std = white, .bias_std = 0.2, .deviation_std = 0.15};
+    const filter::InertialModel model = make_model(s, filter::layout_with(s, sensors));
+    filter::Start start;
+    start.nav.position = {0.8, 0.2, 500.0};
+    start.std_position = start.std_velocity = Vector3d::Ones();
+    start.std_rpy = Vector3d(0.0, 0.0, s.mag.first_std());
+    start.std_gyro_bias = start.std_accel_bias = Vector3d::Constant(1e-3);
+    start.heading_of_mag = true;
+    const auto sigma_of_sample = [&](double turned) {
+        start.nav.q_nb = math::quaternion_from_rpy({0.0, 0.0, 0.7});
+        filter::FilterRun<filter::GeographicFrame> run;
+        set_out(run, model, s, start, not_given);
+        run.filter.nav.q_nb = math::quaternion_from_rpy({0.0, 0.0, 0.7 + turned});
+        const filter::Estimate e = run.filter.estimate(model);
+        const filter::Measurement m = magnetic_azimuth(e, e.C_nb.transpose() * earth_field(), declination, white * white);
+        return std::sqrt(run.filter.innovation_covariance(run.filter.to_own(model, m))(0, 0));
+    };
+    EXPECT_NEAR(sigma_of_sample(0.0), white, 0.3 * white);
+    EXPECT_GT(sigma_of_sample(std::numbers::pi), 0.25) << "the other way round the iron shows twice";
 }
 
 // No state without a sigma, and none without a magnetometer.

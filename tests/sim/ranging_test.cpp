@@ -1,5 +1,6 @@
 // Simulated ranges against a position solver that knows nothing of them, and what hides and spoils them.
 #include "schuler/sim/ranging.h"
+#include "schuler/core/error.h"
 #include "schuler/core/units.h"
 #include "schuler/earth/ellipsoid.h"
 #include "schuler/gnss/constellation.h"
@@ -142,6 +143,27 @@ TEST(Ranging, ErrorsHaveTheirStatedSizes) {
     EXPECT_NEAR(products / squares, std::exp(-1.0 / (r.rate * 3.0)), 0.03) << "from one epoch to the next";
     EXPECT_NEAR(std::sqrt(sum / n), 2.5, 0.1);
     EXPECT_NEAR(std::sqrt(rate / n), 0.1, 0.003);
+}
+
+TEST(Ranging, NamesOfSourcesThatDoNotExistAreRefused) {
+    const auto path = make_path(StaticPath{station}, earth::wgs84);
+    const auto refused = [&](const RangingSettings& r) {
+        try {
+            (void)simulate_ranges(empty_scenario(), *path, r);
+        } catch (const Error& e) {
+            EXPECT_NE(std::string(e.what()).find("G99"), std::string::npos);
+            return e.place().key;
+        }
+        return std::string("nothing");
+    };
+    RangingSettings r = quiet();
+    r.faults = {{"G99", 0.0, 10.0, 5.0}};
+    EXPECT_EQ(refused(r), "ranges.fault");
+    r = quiet();
+    r.blocked = {{{"stations", "G99"}, 0.0, 10.0}};
+    EXPECT_EQ(refused(r), "ranges.block");
+    r.blocked = {{{"stations"}, 0.0, 10.0}};
+    EXPECT_EQ(refused(r), "nothing");
 }
 
 }  // namespace

@@ -111,13 +111,13 @@ struct MagSettings {
     double heading_std = 0.1;        ///< rad
     double bias_std = 0.5;           ///< rad, initial heading error of the magnetometer, that of hard iron included
     double bias_walk = 0.002;        ///< rad/sqrt(s), change due to electric currents and surroundings
-    /// rad, constant deviation of the heading by hard iron along each axis of the body, one sigma; 0: no such states. Calibrated
-    /// magnetometers keep some degrees of it, others have tens; a body that turns shows it, so that little depends on this value.
+    /// rad, constant deviation of the heading by hard iron along each body axis, one sigma; 0: no such states. Some degrees are left by a
+    /// calibration, tens are common without one. Turns make it observable, so that little depends on this value.
     double deviation_std = 0.2;
 
     /// rad; 0 if not given: the heading offset includes it
     [[nodiscard]] double used_declination() const { return std::isfinite(declination) ? declination : 0.0; }
-    /// rad: of a single heading, before the body has turned, and what part of it the offset has.
+    /// rad, one sigma: of a single heading before any turn; of the offset alone.
     [[nodiscard]] double first_std() const { return std::max(bias_std, deviation_std); }
     [[nodiscard]] double offset_std() const {
         return std::sqrt(std::max(0.0, bias_std * bias_std - deviation_std * deviation_std));

@@ -281,7 +281,7 @@ Result run_pass(const RunData& data, const Settings& settings, const Start& star
 StartEstimate smooth_start(const RunData& data, const Settings& settings, const Start& start, std::size_t last_increment) {
     using Frame = GeographicFrame;
     const InertialModel model = make_model(settings, make_layout(settings, *data.recording));
-    // A filter that gives way to fixes it refused no longer has the heading of its start: it would be judged by what it was not.
+    // A filter that finally accepts the fixes it refused no longer has the heading of its start, and its likelihood is not that of it.
     const Pass<Frame> pass(model, data, settings, Rivalry::Decided);
     FilterRun<Frame> run = first_step<Frame>(model, data, settings, start);
     InertialFilter<Frame> first = run.filter;

@@ -106,8 +106,8 @@ private:
         double fault = 0.0, fault_rate = 0.0;
         for (const RangeFault& f : r_.faults) {
             if (f.source != from.name || !f.active(t)) continue;
-            fault += f.offset + f.ramp * (t - f.start);
-            fault_rate += f.ramp + f.rate;
+            fault += f.error(t);
+            fault_rate += f.rate_error();
         }
         const double reflected = r_.multipath.amplitude * std::cos(p->direction.elevation) *
                                  std::sin(2.0 * std::numbers::pi * t / r_.multipath.period + source.phase);

@@ -44,6 +44,11 @@ struct RangeFault {
     double ramp = 0.0, rate = 0.0;       ///< m/s
 
     [[nodiscard]] bool active(double t) const { return t >= start && t < start + duration; }
+    /// While it is active: of the range, m, and of its rate, m/s.
+    [[nodiscard]] double error(double t) const { return offset + ramp * (t - start); }
+    [[nodiscard]] double rate_error() const { return ramp + rate; }
+    /// Of a signal that moves as its rate says, m.
+    [[nodiscard]] double of_carrier(double t) const { return offset + rate_error() * (t - start); }
 };
 
 /// Multipath: amplitude cos(elevation) sin(2 pi t/period + phase), with a separate phase for each source.

@@ -39,8 +39,18 @@ SightLines::SightLines(const RangingScenario& scenario, const TruthPath& path, c
         transmitters_.push_back({gnss::name_of(id), id, {}, {}});
     for (const GroundStation& g : settings.stations)
         transmitters_.push_back({g.name, {}, earth::ecef_from_geodetic(scenario.earth.ellipsoid, g.position), g.position});
+    for (const RangeFault& f : settings.faults) require_source("ranges.fault", f.source);
+    for (const Blocking& b : settings.blocked)
+        for (const std::string& name : b.sources)
+            if (name != "stations") require_source("ranges.block", name);
     choose_throughout();
     choose_four();
+}
+
+void SightLines::require_source(const char* key, const std::string& name) const {
+    if (std::ranges::find(transmitters_, name, &Transmitter::name) != transmitters_.end()) return;
+    throw input_error('"' + name + "\" is neither a satellite nor a station of this scenario", {.file = {}, .key = key},
+                      "give a name such as G05, or that of a station");
 }
 
 SightLines::Antenna SightLines::antenna(double t) const {

@@ -130,8 +130,8 @@ SignalMotion Signals::motion(std::size_t i, double t) const {
                      rate * rate * (2.0 * c2 + 6.0 * s * c3), rate * rate * rate * 6.0 * c3};
     for (const RangeFault& f : tracks_[i].faults) {
         if (!f.active(t)) continue;
-        out.rate += f.ramp + f.rate;
-        out.range += f.offset + (f.ramp + f.rate) * (t - f.start);
+        out.rate += f.rate_error();
+        out.range += f.of_carrier(t);
     }
     return out;
 }
@@ -154,7 +154,7 @@ double Signals::code_delay(std::size_t i, double t) const {
     const std::vector<float>& d = tracks_[i].delay;
     double delay = d[k] + s * (d[k + 1] - d[k]);
     for (const RangeFault& f : tracks_[i].faults)
-        if (f.active(t)) delay -= f.rate * (t - f.start);
+        if (f.active(t)) delay += f.error(t) - f.of_carrier(t);
     return delay;
 }
 

@@ -20,12 +20,12 @@ Measurement baro_height(const Estimate& e, double measured, double variance) {
 
 namespace {
 
-/// Turn of a horizontal field per change of each of its components; the vertical one has no part.
-Eigen::RowVector3d turn_of(const Vector3d& field_n) {
+/// Derivative of a field's azimuth with respect to its components; the vertical one has no part.
+Eigen::RowVector3d azimuth_gradient(const Vector3d& field_n) {
     return Eigen::RowVector3d(-field_n.y(), field_n.x(), 0.0) / field_n.head<2>().squaredNorm();
 }
 
-/// The Earth's horizontal field as the unit, and the body's.
+/// Sum of the Earth's horizontal field, which is the unit, and of the body's.
 Vector3d with_iron(double azimuth, const Vector3d& iron_n) {
     return Vector3d(std::cos(azimuth), std::sin(azimuth), 0.0) + iron_n;
 }
@@ -33,7 +33,7 @@ Vector3d with_iron(double azimuth, const Vector3d& iron_n) {
 }  // namespace
 
 Eigen::RowVector3d deviation_by_iron(const Eigen::Matrix3d& C_nb, double azimuth, const Vector3d& iron_n) {
-    return turn_of(with_iron(azimuth, iron_n)) * C_nb;
+    return azimuth_gradient(with_iron(azimuth, iron_n)) * C_nb;
 }
 
 Measurement magnetic_azimuth(const Estimate& e, const Vector3d& field_b, double declination, double variance) {
@@ -44,12 +44,12 @@ Measurement magnetic_azimuth(const Estimate& e, const Vector3d& field_b, double 
     const double expected = declination - (L.mag_bias >= 0 ? e.parameters(L.mag_bias) : 0.0);
     const Vector3d iron_n = L.hard_iron >= 0 ? Vector3d(e.C_nb * e.parameters.segment<3>(L.hard_iron)) : Vector3d::Zero();
     const Vector3d total_n = with_iron(expected, iron_n);
-    if (total_n.head<2>().squaredNorm() < 0.01) return m;  // the iron leaves too little to point anywhere
+    if (total_n.head<2>().squaredNorm() < 0.01) return m;  // the sum is too small to define a direction
     const double azimuth = std::atan2(field_n.y(), field_n.x());
     estim::Row& row = m.add(math::wrap_pi(azimuth - std::atan2(total_n.y(), total_n.x())), variance);
-    // The estimated fields of the body are rotated by -phi: d(field) = -phi x field = [field x] phi.
-    const Eigen::RowVector3d by_total = turn_of(total_n);
-    attitude_of(row) = (turn_of(field_n) * math::skew(field_n) - by_total * math::skew(iron_n)).transpose();
+    // The measured field and the estimated hard iron are rotated by -phi: d(field) = -phi x field = [field x] phi.
+    const Eigen::RowVector3d by_total = azimuth_gradient(total_n);
+    attitude_of(row) = (azimuth_gradient(field_n) * math::skew(field_n) - by_total * math::skew(iron_n)).transpose();
     if (L.mag_bias >= 0) row.add(L.mag_bias, by_total.dot(Eigen::RowVector3d(-std::sin(expected), std::cos(expected), 0.0)));
     if (L.hard_iron >= 0) {
         const Eigen::RowVector3d by_iron = by_total * e.C_nb;

@@ -13,13 +13,13 @@ namespace schuler::filter {
 /// the body's hard iron; a constant offset and the hard iron are states. field_b in any unit. variance in rad^2. dof is 0 if the
 /// horizontal field is too small to define a direction.
 ///
-/// A field d that turns with the body, in parts of the Earth's horizontal field, turns the levelled field of a body without tilt
-/// by d_x sin(psi) + d_y cos(psi) to first order, psi: magnetic heading. These are coefficients B and C of a compass' deviation;
-/// d_z acts by the tilt (hard iron and its calibration: [Groves2013:6.1.1]). Large deviations are taken in full.
+/// Hard iron d, constant in body axes, in units of the Earth's horizontal field, deviates the levelled field of a body without tilt
+/// by d_x sin(psi) + d_y cos(psi) to first order, psi: magnetic heading. These are coefficients B and C of compass deviation; d_z acts
+/// through tilt (hard iron and its calibration: [Groves2013:6.1.1]). Large deviations are not linearised.
 [[nodiscard]] Measurement magnetic_azimuth(const Estimate& estimate, const Eigen::Vector3d& field_b, double declination,
                                            double variance);
 
-/// Turn of the levelled field by the body's hard iron: row of the hard iron in body axes, at the value iron_n (local level).
+/// Derivative of the levelled field's azimuth with respect to hard iron in body axes, at the value iron_n (local level).
 [[nodiscard]] Eigen::RowVector3d deviation_by_iron(const Eigen::Matrix3d& C_nb, double azimuth, const Eigen::Vector3d& iron_n);
 
 /// The measurement of a sample with the sigma, and the declination and axes of the magnetometer, of the settings.

@@ -44,6 +44,9 @@ public:
     [[nodiscard]] bool silent(const Transmitter& transmitter, double t) const;
 
 private:
+    /// @throws Error(Input) with this key if no source has this name.
+    void require_source(const char* key, const std::string& name) const;
+
     struct Antenna {
         Ecef position;
         Geodetic place;
