@@ -142,7 +142,9 @@ TEST(HardIron, IsThatOfAHeadingSetByTheMagnetometer) {
         start.nav.q_nb = math::quaternion_from_rpy({0.0, 0.0, 0.7});
         filter::FilterRun<filter::GeographicFrame> run;
         set_out(run, model, s, start, not_given);
-        run.filter.nav.q_nb = math::quaternion_from_rpy({0.0, 0.0, 0.7 + turned});
+        NavState nav = run.filter.nav;
+        nav.q_nb = math::quaternion_from_rpy({0.0, 0.0, 0.7 + turned});
+        run.filter.set_nav(nav);
         const filter::Estimate e = run.filter.estimate(model);
         const filter::Measurement m = magnetic_azimuth(e, e.C_nb.transpose() * earth_field(), declination, white * white);
         return std::sqrt(run.filter.innovation_covariance(run.filter.to_own(model, m))(0, 0));
