@@ -27,7 +27,6 @@ bool is_study(const app::Command& command) {
 /// Of signals: made by one study, in the folder of its run, and taken by another.
 constexpr const char* recording_file = "recording.ibyte";
 bool makes_recording(const app::Command& command) { return command.name == "receiver generate"; }
-bool takes_recording(const app::Command& command) { return command.name == "receiver track"; }
 
 /// Fields of its form: files are taken from the workspace only.
 std::vector<OptionSpec> study_fields(const app::Command& command) {
@@ -47,13 +46,30 @@ bool has_option(const app::Command& command, std::string_view key) {
     return std::ranges::find(command.options, key, &OptionSpec::key) != command.options.end();
 }
 
+bool takes_recording(const app::Command& command) {
+    const OptionSpec* input = input_of(command);
+    return input != nullptr && input->line.role == settings::FileRole::Recording;
+}
+
+/// What a study works on: the choices that its form offers.
+Json accepted_by(const OptionSpec* input) {
+    using settings::FileRole;
+    const FileRole role = input == nullptr ? FileRole::Any : input->line.role;
+    Json out = Json::array();
+    if (role == FileRole::Scenario || role == FileRole::DatasetOrScenario) out.push_back("scenario");
+    if (role == FileRole::Dataset || role == FileRole::DatasetOrScenario) out.push_back("dataset");
+    if (role == FileRole::Recording) out.push_back("recording");
+    return out;
+}
+
 Json study_json(const app::Command& command) {
     const OptionSpec* input = input_of(command);
     return {{"command", command.name},
             {"purpose", command.purpose},
             {"examples", command.examples},
             {"input", input == nullptr ? Json(nullptr) : Json(input->help)},
-            {"takes_recording", takes_recording(command)},
+            {"accepts", accepted_by(input)},
+            {"optional_input", input != nullptr && !input->line.required},
             {"options", schema_of(study_fields(command), command.defaults)}};
 }
 
@@ -118,8 +134,9 @@ Reply Service::start_study(const Json& order) {
             words.push_back(std::move(word));
         }
     }
-    const OptionSpec* input = input_of(command);
     const std::string dataset = order.value("dataset", "");
+    const OptionSpec* input = input_of(command);
+    if (input != nullptr && !input->line.required && dataset.empty() && !order.contains("scenario")) input = nullptr;
     settings::SettingList scenario;
     fs::path recording;
     if (makes_recording(command)) check_recording_size(command, given, settings_.max_upload);
@@ -172,7 +189,7 @@ void Service::add_study_routes() {
          "the studies of `schuler analyze`, `schuler receiver` and `schuler paper`, each with its form",
          {},
          "",
-         "[{command, purpose, examples, input: what it works on, or null, takes_recording, options: as /api/options}]",
+         "[{command, purpose, examples, input: what it works on, or null, accepts: of scenario, dataset, recording, optional_input, options: as /api/options}]",
          [](const Request&) {
              Json out = Json::array();
              for (const app::Command& command : app::commands())

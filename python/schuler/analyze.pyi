@@ -61,7 +61,10 @@ def schuler(
     force: bool | None = ...,
 ) -> Result: ...
 def observability(
+    scenario: str | PathLike[str],
     *,
+    seed: int | None = ...,
+    rate: float | None = ...,
     latitude_deg: float | None = ...,
     longitude_deg: float | None = ...,
     height: float | None = ...,
@@ -76,9 +79,11 @@ def observability(
     rhumb: bool | None = ...,
     frozen: bool | None = ...,
     paper: bool | None = ...,
+    settings: dict[str, Any] | None = ...,
     progress: Callable[[float], object] | None = ...,
     threads: int | None = ...,
     force: bool | None = ...,
+    **keywords: Any,
 ) -> Result: ...
 def requirements(
     *,

@@ -193,6 +193,18 @@ def covariance(program, source):
     (folder / "bare.toml").write_text(flight[:flight.index("initial_error")])
     program.fails("analyze", "covariance", "bare.toml", parts=["initial_error"])
 
+    # the end of the same path tells what the covariance of the filter says, and a turn what rest and straight flight do not
+    seen = json.loads(program("analyze", "observability", "right.toml", "--json").stdout)
+    states = {state["state"]: state for state in seen["states"]}
+    check(seen["refused"] == 0 and states["attitude_down"]["end"] < states["attitude_down"]["start"], f"observability: {list(states)}")
+    for state in seen["states"] + seen["combinations"]:
+        check(state["left"] > 0.999 or abs(sum(state["shares"].values()) - 1) < 1e-6, f"shares add up: {state}")
+    tight = json.loads(program("analyze", "observability", Path(source) / "examples/car-tight.toml", "--json").stdout)
+    check("clock_bias" in {state["state"] for state in tight["states"]}, "a tight filter has its receiver's clock")
+    program.fails("analyze", "observability", "right.toml", "--vn", 1, parts=["--vn", "scenario"])
+    program.fails("analyze", "observability", "--rate", 10, parts=["--rate", "scenario"])
+    program.fails("analyze", "observability", "right.toml", "--set", "filter.scheme=gnss", parts=["filter.scheme", "no filter"])
+
 
 def mpi(program, source):
     folder = Path(program.folder)

@@ -121,6 +121,8 @@ def formats(program, source):
         found = json.loads(program("inspect", name, "--json").stdout)
         kinds = {f["path"]: f["kind"] for f in found["files"]}
         check(kinds == {f"{name}#imu": "imu", f"{name}#gnss": "gnss"}, f"{name}: {kinds}")
+        provided = [f["provides"] for f in found["files"]]
+        check(sorted(provided) == [["fixes"], ["imu"]], f"{name}: {provided}")
         check(f'file = "{name}#imu"' in found["dataset_toml"], f"{name}: the draft names the stream")
         program("process", name, "-o", f"out_{name}", "-q")
         rms = horizontal_rms(program, folder / f"out_{name}/solution.csv", shift)

@@ -13,6 +13,8 @@ def studies(program, source):
                "analyze allan", "analyze protection", "analyze observability"} <= set(all_of_them), f"studies: {list(all_of_them)}")
         speed = {o["key"]: o for o in all_of_them["analyze equator"]["options"]}["speed"]
         check(speed["unit"] == "m/s" and speed["default"] == 0 and speed["shape"] == "number", f"a field: {speed}")
+        accepted = {name: all_of_them[name]["accepts"] for name in ("analyze budget", "analyze allan", "receiver track", "receiver generate", "analyze equator")}
+        check(list(accepted.values()) == [["scenario"], ["scenario", "dataset"], ["recording"], [], []], f"what a study works on: {accepted}")
         for study in all_of_them.values():
             check(not {"output", "set", "config", "scenario"} & {o["key"] for o in study["options"]}, f"no field names a file: {study['command']}")
 

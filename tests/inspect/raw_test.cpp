@@ -40,6 +40,7 @@ protected:
 TEST_F(RawFiles, RinexObservations) {
     const FileReport r = report("rinex/observation3", "a.obs");
     EXPECT_EQ(r.kind, "rinex_obs");
+    EXPECT_EQ(r.provides, std::vector<std::string>{"ranges"});
     EXPECT_EQ(r.rows, 3U);
     EXPECT_EQ(r.rate_hz, 1.0);
     expect_line(r, "3 epochs of raw measurements, 2023-01-08 09:59:42 to 2023-01-08 09:59:44 UTC, every 1 s");
@@ -111,6 +112,7 @@ TEST_F(RawFiles, EphemeridesThatContradictEachOtherAreNamed) {
 TEST_F(RawFiles, LogsOfReceivers) {
     const FileReport u = report("receiver_logs/ubx", "a.ubx");
     EXPECT_EQ(u.kind, "ubx");
+    EXPECT_EQ(u.provides, (std::vector<std::string>{"ranges", "ephemerides", "fixes"}));
     EXPECT_EQ(u.rows, 2U);
     expect_line(u, "GPS: 2 satellites, on average 2.0 an epoch; signals 1C (CLDS) 2X (CLDS)");
     expect_line(u, "2 ephemerides of BeiDou: 2 satellites, 2023-01-08 09:59:56 to 2023-01-08 09:59:56 UTC");

@@ -46,8 +46,9 @@ export interface CommandForm {
   options: Option[];
   /** Of a study: what it works on, or null. */
   input?: string | null;
-  /** That is a recording of signals, which another study makes. */
-  takes_recording?: boolean;
+  /** Which of these that may be; a recording of signals is made by another study. */
+  accepts?: ("scenario" | "dataset" | "recording")[];
+  optional_input?: boolean;
 }
 
 export interface PaperItem {
@@ -237,11 +238,15 @@ export interface FileProblem {
   mend: string;
 }
 
+/** What a log offers to the tasks, other than its kind. */
+export type Provided = "imu" | "fixes" | "ranges" | "ephemerides" | "orbits";
+
 export interface Inspection {
   path: string;
   files: {
     path: string;
     kind: string;
+    provides: Provided[];
     columns: string[];
     rows: number;
     rate_hz: number | null;

@@ -124,6 +124,7 @@ report::Outcome inspect_path(const fs::path& path, const fs::path& folder, const
     for (const inspect::FileReport& f : report.files) {
         files.push_back({{"path", f.path},
                          {"kind", f.kind},
+                         {"provides", f.provides},
                          {"columns", f.columns},
                          {"contents", f.contents},
                          {"rows", f.rows},

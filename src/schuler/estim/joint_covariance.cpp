@@ -192,6 +192,12 @@ void JointCovariance::correct(const Row& h, const StateVector& k, int process, d
     ++corrections_;
 }
 
+void JointCovariance::renew(int state) {
+    carry_out_corrections();
+    S_.row(state).setZero();
+    S_.col(state).setZero();
+}
+
 void JointCovariance::carry_out_corrections() {
     if (corrections_ == 0) return;
     for (int c = 0; c < size_; ++c) {

@@ -53,6 +53,9 @@ public:
     /// one, or -1. @pre settled
     void correct(const Row& h, const StateVector& k, int process, double seen, double white);
 
+    /// A state of the filter starts again: its estimate is that of its prior. @pre settled
+    void renew(int state);
+
     /// Variances of the first nine errors. @pre settled
     [[nodiscard]] Eigen::Matrix<double, coupled, 1> variances();
 

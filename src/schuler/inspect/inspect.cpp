@@ -423,6 +423,8 @@ InspectReport inspect(const std::filesystem::path& path, const Given& given) {
     for (LoadedFile& file : study.files) {
         if (file.computed) continue;
         if (file.table) file.report.understood = detail::explained_columns(file);
+        if (file.table == io::TableKind::Imu) file.report.provides.emplace_back("imu");
+        if (file.table == io::TableKind::Gnss) file.report.provides.emplace_back("fixes");
         report.files.push_back(std::move(file.report));
     }
     report.findings = std::move(study.findings);

@@ -28,6 +28,7 @@ struct FileReport {
     std::string path;  ///< relative to the folder
     std::string kind;  ///< imu, gnss, baro, mag, reference, rtklib_pos, nmea, kfgins_yaml, kfgins_imu, kfgins_gnss,
         ///< kfgins_reference, dataset_toml, rinex_obs, rinex_nav, rinex, ubx, rtcm3, sp3, unknown
+    std::vector<std::string> provides;  ///< of imu, fixes, ranges, ephemerides (broadcast), orbits (precise)
     std::vector<std::string> columns;   ///< as named in the file
     std::vector<std::string> contents;  ///< content of raw measurements and ephemerides, one line each
     std::size_t rows = 0;

@@ -21,14 +21,18 @@ namespace schuler::settings {
 /// Required form of a value before its setter is called.
 enum class Shape { Number, Integer, Flag, Text, Numbers, Texts, Table, Tables, Any };
 
+/// What a file named on the command line has to be, where forms offer a choice of them.
+enum class FileRole { Any, Scenario, Dataset, DatasetOrScenario, Recording };
+
 /// Command line notation of an option.
 struct CommandLine {
     char letter = 0;  ///< -n beside --runs
     bool positional = false;
     bool required = false;
-    bool repeated = false;   ///< for Texts: repeated option instead of a list with commas
-    bool hidden = false;     ///< not shown by the help
-    bool file = false;       ///< it names a file or folder, or settings that may: not a form field
+    bool repeated = false;  ///< for Texts: repeated option instead of a list with commas
+    bool hidden = false;    ///< not shown by the help
+    bool file = false;      ///< it names a file or folder, or settings that may: not a form field
+    FileRole role = FileRole::Any;
     std::string value_name;  ///< "T:DUR"; otherwise derived from the unit
 };
 

@@ -156,7 +156,7 @@ export async function dataPage(name: string, query: URLSearchParams): Promise<Pa
     invalid.fields = wrong;
     allow();
   };
-  const gnss = found.files.filter((f) => /gnss|pos|nmea/.test(f.kind));
+  const gnss = found.files.filter((f) => f.provides.includes("fixes"));
   const length = Math.max(0, ...(gnss.length > 0 ? gnss : found.files).map((f) => (f.stop_s ?? 0) - (f.start_s ?? 0))) || 600;
   const outages = new OutageLine((list) =>
     form.put(

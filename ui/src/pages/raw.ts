@@ -6,8 +6,9 @@ import { Linked } from "../plots/linked";
 import { TimePlot, linkCursors } from "../plots/timeplot";
 import { signalsView } from "./signals";
 
-const tables = /imu|gnss|mag|baro|odo|reference|trajectory|heading|range|pos|airspeed/;
 const mostPlots = 24;
+
+const isTable = (f: Inspection["files"][number]) => f.kind !== "unknown" && f.columns.length > 0 && f.rows > 1;
 
 /** Columns that differ by an axis alone stand in one plot: gyro_x, gyro_y, gyro_z. */
 function stem(name: string): string {
@@ -18,7 +19,7 @@ function stem(name: string): string {
 export function rawSignals(dataset: string, found: Inspection): HTMLElement | null {
   const most = 12,
     day = 86_400;
-  const files = found.files.filter((f) => tables.test(f.kind) && f.rows > 1).slice(0, most);
+  const files = found.files.filter(isTable).slice(0, most);
   if (files.length === 0) return null;
   const place = h("div");
   const show = async () => {
@@ -59,7 +60,7 @@ export function rawSignals(dataset: string, found: Inspection): HTMLElement | nu
 }
 
 export function rawCard(dataset: string, found: Inspection): HTMLElement | null {
-  const files = found.files.filter((f) => tables.test(f.kind) && f.rows > 1);
+  const files = found.files.filter(isTable);
   if (files.length === 0) return null;
   const place = h("div");
   const choice = h("select", { "aria-label": t("data.file"), onChange: () => void show() }, ...files.map((f) => h("option", { value: f.path }, `${f.path} (${f.kind})`)));

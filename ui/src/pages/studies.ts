@@ -165,20 +165,21 @@ function form(study: CommandForm, examples: { name: string; toml: string }[], se
   for (const o of study.options) if (o.default !== null) used[o.key] = o.default;
   options.load({ settings: {}, used, toml: "", problem: null });
   const title = h("input", { type: "text", class: "run-name", value: study.command.replace("analyze ", ""), "aria-label": t("run.title") });
-  if (study.takes_recording) recording = new RecordingChoice(recordings, query.get("recording"), options);
+  const accepts = study.accepts ?? [];
+  if (accepts.includes("recording")) recording = new RecordingChoice(recordings, query.get("recording"), options);
   const needs = study.input !== null && study.input !== undefined && !recording;
-  // what a study can work on is said by its help: a scenario, a data set, or both
-  const takesData = needs && /folder|data ?set|log/i.test(study.input!);
-  const takesScenario = needs && /scenario/i.test(study.input!);
+  const takesData = needs && accepts.includes("dataset");
+  const takesScenario = needs && accepts.includes("scenario");
   const input = h(
     "select",
     { "aria-label": t("study.input") },
-    ...(takesScenario || !takesData ? examples.map((e) => h("option", { value: `example:${e.name}` }, `${t("nav.scenario")}: ${e.name}`)) : []),
+    ...(study.optional_input ? [h("option", { value: "" }, "–")] : []),
+    ...(takesScenario ? examples.map((e) => h("option", { value: `example:${e.name}` }, `${t("nav.scenario")}: ${e.name}`)) : []),
     ...(takesData ? sets.map((d) => h("option", { value: `data:${d.name}` }, `${t("data.title")}: ${d.name}`)) : []),
   );
   if (given) input.value = `data:${given}`;
   const inputOf = (): Record<string, unknown> => {
-    if (!needs) return {};
+    if (!needs || input.value === "") return {};
     const [kind, ...rest] = input.value.split(":");
     const name = rest.join(":");
     return kind === "data" ? { dataset: name } : { scenario: { toml: examples.find((e) => e.name === name)?.toml ?? "" } };

@@ -1,5 +1,5 @@
 // What can be done with a data set, and why not where it cannot.
-import { api, type CommandForm, type Inspection, type Settings } from "../api";
+import { api, type CommandForm, type Inspection, type Provided, type Settings } from "../api";
 import { h, replace } from "../dom";
 import { OptionForm } from "../form";
 import { t } from "../i18n";
@@ -21,13 +21,13 @@ interface Has {
 }
 
 export function contentsOf(found: Inspection): Has {
-  const kinds = (pattern: RegExp) => found.files.filter((f) => pattern.test(f.kind)).map((f) => f.path);
+  const providing = (what: Provided) => found.files.filter((f) => f.provides.includes(what)).map((f) => f.path);
   const settings = found.form.settings;
   return {
-    imu: kinds(/imu/).length > 0 || "imu.file" in settings,
-    fixes: kinds(/gnss|pos$|nmea|gps|solution/).length > 0 || "gnss.file" in settings || kinds(/ubx/).length > 0,
-    ranges: kinds(/rinex_obs|ubx|rtcm/),
-    navigation: kinds(/rinex_nav|ubx|sp3|rtcm/).length > 0,
+    imu: providing("imu").length > 0 || "imu.file" in settings,
+    fixes: providing("fixes").length > 0 || "gnss.file" in settings,
+    ranges: providing("ranges"),
+    navigation: providing("ephemerides").length + providing("orbits").length > 0,
     initial: Object.keys(settings).some((k) => k.startsWith("initial.")),
   };
 }
@@ -144,12 +144,13 @@ export class TaskChoice {
     // a receiver's log alone is found by its settings: all of them are given
     const out: Settings = { ...whole, "filter.scheme": "gnss" };
     const { files } = this.found;
-    const first = (pattern: RegExp) => files.filter((f) => pattern.test(f.kind)).sort((a, b) => b.rows - a.rows)[0]?.path;
+    // beside the ephemerides of the ranges' own file
+    const navigation = files.filter((f) => f.provides.includes("ephemerides") && !f.provides.includes("ranges")).map((f) => f.path);
+    const longest = (what: Provided) => files.filter((f) => f.provides.includes(what)).sort((a, b) => b.rows - a.rows)[0]?.path;
     if (this.task === "gnss" && !("gnss.file" in out) && !("gnss.observations" in out)) {
       // without an IMU nothing was proposed: the longest log of the receiver, fixes before ranges
-      const fixes = first(/gnss|pos$|nmea|gps|solution/);
-      const ranges = first(/rinex_obs|ubx|rtcm/);
-      const navigation = files.filter((f) => f.kind === "rinex_nav").map((f) => f.path);
+      const fixes = longest("fixes");
+      const ranges = longest("ranges");
       if (fixes) out["gnss.file"] = fixes;
       else if (ranges) {
         out["gnss.observations"] = ranges;
@@ -160,10 +161,7 @@ export class TaskChoice {
       delete out["gnss.file"];
       out["gnss.observations"] = this.rover;
       out["base.observations"] = this.base;
-      if (!("gnss.navigation" in out)) {
-        const navigation = files.filter((f) => f.kind === "rinex_nav").map((f) => f.path);
-        if (navigation.length > 0) out["gnss.navigation"] = navigation;
-      }
+      if (!("gnss.navigation" in out) && navigation.length > 0) out["gnss.navigation"] = navigation;
     }
     return out;
   }

@@ -71,6 +71,18 @@ Option<R> path(std::string key, std::string help, Access access) {
             [](const R&) { return std::optional<Value>(); }};
 }
 
+/// What the file of a path has to be.
+template <class R>
+Option<R> of_role(settings::FileRole role, Option<R> option) {
+    option.spec.line.role = role;
+    return option;
+}
+
+template <class R, class Access>
+Option<R> scenario_argument(std::string help, Access access) {
+    return of_role(settings::FileRole::Scenario, argument("SCENARIO", path<R>("scenario", std::move(help), access)));
+}
+
 /// Numbers separated by commas.
 template <class R, class Access>
 Option<R> numbers(std::string key, double low, double high, std::string help, Access access) {

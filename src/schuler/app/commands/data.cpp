@@ -77,7 +77,7 @@ Command demo() {
 Command simulate() {
     using R = SimulateRequest;
     OptionTable<R> t;
-    t.add(argument("SCENARIO", path<R>("scenario", "scenario file", [](auto& r) -> auto& { return r.scenario; })))
+    t.add(scenario_argument<R>("scenario file", [](auto& r) -> auto& { return r.scenario; }))
         .add(required(lettered(
             'o', written("DIR", path<R>("output", "folder of the data set", [](auto& r) -> auto& { return r.output; })))))
         .add(seed_option<R>("seed, instead of the scenario's", [](auto& r) -> auto& { return r.seed; }));

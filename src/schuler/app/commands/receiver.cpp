@@ -43,8 +43,8 @@ Command generate() {
 Command track() {
     using R = TrackRequest;
     OptionTable<R> t;
-    t.add(argument("FILE",
-                   path<R>("file", "recording: complex samples without a header", [](auto& r) -> auto& { return r.file; })))
+    t.add(of_role(settings::FileRole::Recording, argument("FILE", path<R>("file", "recording: complex samples without a header",
+                                                                          [](auto& r) -> auto& { return r.file; }))))
         .add(intermediate_frequency<R>())
         .add(required(sample_rate<R>()))
         .add(written("FORMAT", one_of<R>("format", {"ibyte", "ubyte", "ishort", "gr_complex"},

@@ -38,7 +38,7 @@ Command requirements() {
 OptionTable<study::StudyRequest> study_of_scenario() {
     using R = study::StudyRequest;
     OptionTable<R> t;
-    t.add(argument("SCENARIO", path<R>("scenario", "scenario file", [](auto& r) -> auto& { return r.scenario; })))
+    t.add(scenario_argument<R>("scenario file", [](auto& r) -> auto& { return r.scenario; }))
         .add(lettered('n', written("RUNS", settings::integer<R>("runs", 1, 1'000'000, "number of runs of each case",
                                                                 [](auto& r) -> auto& { return r.runs; }))))
         .add(jobs_option<R>([](auto& r) -> auto& { return r.jobs; }))
@@ -58,8 +58,7 @@ Command budget() {
 Command covariance() {
     using R = study::CovarianceRequest;
     OptionTable<R> t;
-    t.add(argument("SCENARIO",
-                   path<R>("scenario", "scenario file, with filter.initial_error", [](auto& r) -> auto& { return r.scenario; })))
+    t.add(scenario_argument<R>("scenario file, with filter.initial_error", [](auto& r) -> auto& { return r.scenario; }))
         .add(set_option<R>([](auto& r) -> auto& { return r.above; }))
         .add(seed_option<R>("seed of the changes of the satellites in view", [](auto& r) -> auto& { return r.seed; }))
         .add(in_units("Hz", settings::number<R>("rate", 1.0, 0.1, 1e4, "maximum IMU rate used along the path",
@@ -160,7 +159,8 @@ Command triad() {
 Command allan() {
     using R = settings::ProcessRequest;
     OptionTable<R> t;
-    t.add(argument("INPUT", path<R>("input", "data set or scenario file", [](auto& r) -> auto& { return r.input; })))
+    t.add(of_role(settings::FileRole::DatasetOrScenario,
+                  argument("INPUT", path<R>("input", "data set or scenario file", [](auto& r) -> auto& { return r.input; }))))
         .add(set_option<R>([](auto& r) -> auto& { return r.above; }))
         .add(written("FILE.toml",
                      path<R>("config", "settings over those of the data set", [](auto& r) -> auto& { return r.config; })))

@@ -1,5 +1,6 @@
 // `schuler analyze`: closed solutions and error dynamics.
 #include "schuler/app/commands/builders.h"
+#include "schuler/study/covariance/observability.h"
 #include "schuler/study/theory/analyze.h"
 #include "schuler/study/theory/observability.h"
 
@@ -112,7 +113,15 @@ Command observability() {
     const auto angle = [](const char* key, double limit, const char* help, auto access) {
         return in_units("deg", settings::number<R>(key, 1.0, -limit, limit, help, access));
     };
-    t.add(angle("latitude-deg", 90, "latitude", [](auto& r) -> auto& { return r.latitude_deg; }))
+    Option<R> scenario = scenario_argument<R>("scenario file: the states of its filter along its path; without: of gravimetry",
+                                              [](auto& r) -> auto& { return r.scenario; });
+    scenario.spec.line.required = false;
+    t.add(std::move(scenario))
+        .add(set_option<R>([](auto& r) -> auto& { return r.above; }))
+        .add(seed_option<R>("seed, instead of the scenario's", [](auto& r) -> auto& { return r.seed; }))
+        .add(in_units("Hz", settings::number<R>("rate", 1.0, 0.1, 1e4, "maximum IMU rate used along the path",
+                                                [](auto& r) -> auto& { return r.rate; })))
+        .add(angle("latitude-deg", 90, "latitude", [](auto& r) -> auto& { return r.latitude_deg; }))
         .add(angle("longitude-deg", 360, "longitude", [](auto& r) -> auto& { return r.longitude_deg; }))
         .add(quantity<R>("height", "m", "height above the ellipsoid", [](auto& r) -> auto& { return r.height; }))
         .add(quantity<R>("vn", "m/s", "velocity north", [](auto& r) -> auto& { return r.vn; }))
@@ -133,12 +142,16 @@ Command observability() {
         .add(settings::flag<R>("frozen", "freeze the model at its initial state", [](auto& r) -> auto& { return r.frozen; }))
         .add(settings::flag<R>("paper", "analyse the motions of the paper too", [](auto& r) -> auto& { return r.paper; }));
     return command<R>(
-        "analyze observability", "which states of strapdown gravimetry position and velocity fixes make observable (paper E)",
+        "analyze observability",
+        "which states the measurements make observable, and by which manoeuvre: along a scenario, or in gravimetry (paper E)",
+        "  schuler analyze observability examples/demo.toml          each state, and the combinations\n"
+        "  schuler analyze observability examples/car-tight.toml --set filter.scale_factors=true --json\n"
         "  schuler analyze observability --paper                     at rest and at 1 m/s, beside the paper\n"
         "  schuler analyze observability --vn 1 --ve 1 --json        exact rank, pivots, combinations\n"
         "  schuler analyze observability --vn 1 --ve 1 --tolerance 1e-7\n"
         "Ranks are decided with fifty digits along the motion, a great circle. A pivot is a share of what gravity does in 13 minutes.",
-        std::move(t), one_json_document, false, study::analyze_observability);
+        std::move(t), one_json_document, false,
+        [](const R& r) { return r.scenario.empty() ? study::analyze_observability(r) : study::analyze_path_observability(r); });
 }
 
 }  // namespace

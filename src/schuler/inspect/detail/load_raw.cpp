@@ -177,7 +177,13 @@ bool read_raw(LoadedFile& file, io::RawFormat format) {
     }
     file.report.kind = kinds[static_cast<std::size_t>(format)];
     file.gps_time = true;
-    if (!raw.observations.epochs.empty()) describe_observations(raw, file);
+    std::vector<std::string>& provides = file.report.provides;
+    if (!raw.observations.epochs.empty()) {
+        describe_observations(raw, file);
+        provides.emplace_back("ranges");
+    }
+    if (raw.navigation.size() > 0) provides.emplace_back("ephemerides");
+    if (!raw.fixes.empty()) provides.emplace_back("fixes");
     describe_navigation(raw.navigation, file.report.contents);
     tell_contradictions(raw.navigation, file);
     if (!raw.fixes.empty())
@@ -219,6 +225,7 @@ void read_antennas(LoadedFile& file) {
 void read_precise_orbits(LoadedFile& file) {
     WarningLog log;
     file.report.kind = "sp3";
+    file.report.provides.emplace_back("orbits");
     const io::Sp3File sp3 = io::read_sp3(io::TextInput(file.path), log);
     std::array<Ephemerides, gnss::system_count> systems;
     for (std::size_t i = 0; i < sp3.nodes.size(); ++i) {

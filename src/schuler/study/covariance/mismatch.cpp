@@ -3,12 +3,8 @@
 #include "schuler/estim/joint_covariance.h"
 #include "schuler/filter/states/model.h"
 #include "schuler/filter/update/pass.h"
-#include "schuler/fusion/start.h"
-#include "schuler/fusion/still.h"
-#include "schuler/fusion/timeline.h"
-#include "schuler/fusion/tuning/tune.h"
-#include "schuler/solution/fuse.h"
-#include "schuler/study/studies.h"
+#include "schuler/study/covariance/errorless_run.h"
+#include "schuler/study/covariance/range_errors.h"
 
 #include <fmt/format.h>
 
@@ -81,7 +77,8 @@ Eigen::Matrix<double, 3, 9> axes_acting_on(const Vector3d& v) {
     return m;
 }
 
-std::vector<ErrorSource> sources_of(const settings::ScenarioConfig& s) {
+/// `fixes`: those of a receiver are used.
+std::vector<ErrorSource> sources_of(const settings::ScenarioConfig& s, bool fixes) {
     std::vector<ErrorSource> out;
     const auto add = [&](const char* key, const char* title) -> ErrorSource& {
         ErrorSource& source = out.emplace_back();
@@ -116,7 +113,7 @@ std::vector<ErrorSource> sources_of(const settings::ScenarioConfig& s) {
          e.accel_rate_walk);
     add("accel_noise", "accelerometer noise").accel_psd = e.accel_noise * e.accel_noise;
     axes("accel_scale", "accelerometer scale and axes", Drive::AccelAxes, e.accel_scale, e.accel_misalignment);
-    if (s.sim.gnss.rate > 0.0) {
+    if (fixes && s.sim.gnss.rate > 0.0) {
         ErrorSource& white = add("gnss_white", "receiver, white");
         white.white_position = s.sim.gnss.white_position;
         white.white_velocity = s.sim.gnss.white_velocity;
@@ -163,9 +160,12 @@ public:
              const std::vector<ErrorSource>& sources, Time origin, Mismatch& out)
         : model_(model), scenario_(scenario), sources_(sources), origin_(origin), out_(out) {}
 
-    void begin(Eigen::Index states) {
-        phi_ = estim::GatheredTransition(static_cast<int>(states));
-        for (const ErrorSource& s : sources_) joint_.emplace_back(static_cast<int>(states), s.start, s.variance);
+    void begin(const FilterRun& run) {
+        const auto states = static_cast<int>(run.filter.P.rows());
+        filter_ = &run.filter;
+        phi_ = estim::GatheredTransition(states);
+        for (const ErrorSource& s : sources_) joint_.emplace_back(states, s.start, s.variance);
+        if (model_.layout.clock >= 0) ranges_.emplace(model_.layout, run.filter);
     }
     [[nodiscard]] bool records() const override { return true; }
     void step(const estim::Transition& phi) override { last_ = phi; }
@@ -176,6 +176,7 @@ public:
         const Vector3d force = f.previous.dt > 0.0 ? Vector3d(f.previous.dv / f.previous.dt) : Vector3d::Zero();
         const double speed = f.geographic(model_).v_eb_n.head<2>().norm();
         if (!sheared) phi_.add(last_);
+        if (ranges_) ranges_->step(model_, f, last_, span);
         for (std::size_t k = 0; k < sources_.size(); ++k) {
             const ErrorSource& s = sources_[k];
             if (s.empty()) continue;
@@ -203,6 +204,24 @@ public:
         }
     }
     void scalar(const estim::RowUpdate& u) override { pending_.push_back(u); }
+    void renewed(int state) override {
+        settle();
+        for (std::size_t k = 0; k < sources_.size(); ++k)
+            if (!sources_[k].empty()) joint_[k].renew(state);
+        if (ranges_) ranges_->renewed(state, filter_->P(state, state));
+    }
+    void cloned(int, const std::array<estim::Row, 3>&) override {
+        throw unfollowed("phases of carriers are among its measurements");
+    }
+    void ranges(const FilterRun&, const RangeEpoch&) override {
+        settle();
+        for (const estim::RowUpdate& u : pending_) {
+            for (std::size_t k = 0; k < sources_.size(); ++k)
+                if (!sources_[k].empty()) joint_[k].correct(u.h, u.k, -1, 0.0, 0.0);
+            ranges_->correct(u, true);
+        }
+        pending_.clear();
+    }
     void corrected() override { throw unfollowed("the corrections of this coupling are not updates of a Kalman filter"); }
     void aid(const filter::AidRecord& record) override {
         settle();
@@ -213,10 +232,6 @@ public:
     void outage_epoch(const FilterRun& run, const filter::Event& event, const filter::Measurement&,
                       const filter::AidRecord&) override {
         if (event.outage_end) out_.outage_ends.push_back(row_at(run, event.stamp));
-    }
-    static Error unfollowed(const std::string& why) {
-        return input_error("the covariance cannot be followed: " + why, {.file = {}, .key = "filter"},
-                           "choose --set filter.scheme=loose with the usual gains");
     }
 
 private:
@@ -252,6 +267,7 @@ private:
         row.time_s = (time - origin_).seconds();
         row.filter = run.covariance(model_).diagonal();
         for (Joint& j : joint_) row.sources.push_back(j.variances());
+        if (ranges_) row.sources.push_back(ranges_->variances());
         return row;
     }
     void update(AidKind kind, const estim::RowUpdate& u) {
@@ -269,6 +285,7 @@ private:
             if (s.empty()) continue;
             joint_[k].correct(u.h, u.k, s.slow == kind ? static_cast<int>(axis) : -1, seen, s.white(kind, axis));
         }
+        if (ranges_) ranges_->correct(u, false);
     }
 
     const filter::InertialModel& model_;
@@ -277,12 +294,12 @@ private:
     Time origin_;
     Mismatch& out_;
     std::vector<Joint> joint_;  ///< of each source
+    std::optional<RangeErrors> ranges_;
+    const Filter* filter_ = nullptr;
     estim::Transition last_;
     estim::GatheredTransition phi_;  ///< since the last settle()
     std::vector<estim::RowUpdate> pending_;
 };
-
-constexpr double slow_reference = 0.1;  // Hz: only its first epoch is used, for the initial state
 
 /// The initial covariance of the first nine errors, from one kind of initial error.
 Eigen::Matrix<double, 9, 9> start_covariance(const filter::InertialModel& model, const filter::RunData& data,
@@ -326,49 +343,45 @@ Mismatch mismatch(const settings::ScenarioConfig& scenario, const settings::Sett
         throw input_error(
             "the scenario does not give the initial errors of the filter", {.file = {}, .key = "filter.initial_error"},
             "give level_deg and heading_deg: the result of a self-alignment is not a linear function of the errors");
-    if (scenario.ranging.rate > 0.0 || scenario.receiver_channels.rate > 0.0)
-        throw input_error("ranges of single satellites are not among the errors of this analysis",
-                          {.file = {}, .key = "ranges.rate_hz"}, "use `schuler analyze budget`");
-    settings::ScenarioConfig flown = without_errors(scenario);
-    flown.sim.imu.rate = std::min(flown.sim.imu.rate, rate);
-    flown.sim.reference_rate = slow_reference;
-    WarningLog unheard;
-    const solution::ResultBundle bundle = solution::simulated_bundle(flown, over, unheard, &scenario, flown_before);
-    const fusion::Settings& given = bundle.data.config.filter;
-    if (given.coupling != filter::Coupling::Loose) throw Follower::unfollowed("only the loose scheme is followed");
-    if (given.mechanization != fusion::Mechanization::Geographic)
-        throw Follower::unfollowed("only the geographic mechanization is followed");
-    fusion::Settings settings = given;
-    settings.output_rate = 1.0;
-    settings.gnss.estimate_latency = settings.gnss.estimate_std = settings.imu.estimate_noise = settings.imu.estimate_mounting =
-        false;
-
-    const Recording& recording = bundle.data.recording;
-    filter::RunData data;
-    data.recording = &recording;
-    data.imu = fusion::make_imu_timeline(recording.imu, settings.imu, unheard);
-    data.origin = bundle.data.origin;
-    filter::set_limits(data, settings);
-    data.events = fusion::make_events(recording, settings, data.origin, unheard);
-    data.fix_noise = fusion::fix_noise(recording, settings.gnss, unheard);
-    data.still = fusion::find_still(data.imu, recording, data.events, settings);
-    fusion::Findings findings;
-    const filter::Start start = fusion::find_start(data, settings, findings, unheard);
+    if (scenario.receiver_channels.rate > 0.0)
+        throw input_error("the loops of a receiver are not among the errors of this analysis",
+                          {.file = {}, .key = "receiver.rate_hz"}, "use `schuler analyze budget`");
+    ErrorlessRun errorless(scenario, over, rate, flown_before);
+    const fusion::Settings& settings = errorless.settings;
+    const bool tight = settings.coupling == filter::Coupling::Tight;
+    if (!tight && settings.coupling != filter::Coupling::Loose)
+        throw unfollowed("only the loose and the tight scheme are followed");
+    if (!tight && scenario.ranging.rate > 0.0)
+        throw input_error("fixes from ranges of single satellites are not among the errors of this analysis",
+                          {.file = {}, .key = "ranges.rate_hz"},
+                          "choose --set filter.scheme=tight, or use `schuler analyze budget`");
+    if (settings.mechanization != fusion::Mechanization::Geographic)
+        throw unfollowed("only the geographic mechanization is followed");
+    errorless.prepare();
+    const filter::RunData& data = errorless.data;
+    const filter::Start& start = errorless.start;
 
     Mismatch out;
     out.name = scenario.name;
     out.left_out = left_out_of(scenario);
-    out.settled_s = bundle.data.config.run.settle.value_or((start.nav.time - data.origin).seconds() + 60.0);
-    const filter::InertialModel model = filter::make_model(settings, filter::make_layout(settings, recording));
-    std::vector<ErrorSource> sources = sources_of(scenario);
+    out.settled_s = errorless.bundle.data.config.run.settle.value_or((start.nav.time - data.origin).seconds() + 60.0);
+    const filter::InertialModel model = errorless.model();
+    std::vector<ErrorSource> sources = sources_of(scenario, !tight);
     for (std::size_t i = 0; i < 4; ++i)
         sources[i].start = start_covariance(model, data, settings, start, scenario.initial_error, i);
     for (const ErrorSource& s : sources) out.sources.push_back(s.name);
+    if (tight) out.sources.push_back({"ranges", "ranges and the receiver's clock"});
     FilterRun run = filter::first_step<Frame>(model, data, settings, start);
     Follower follower(model, scenario, sources, data.origin, out);
-    follower.begin(run.filter.P.rows());
+    follower.begin(run);
     const filter::Pass<Frame> pass(model, data, settings);
     pass.advance(run, data.imu.increments.size() - 1, follower);
+    if (tight)
+        for (const filter::Outage& o : settings.outages) {  // the last row of each
+            const auto after =
+                std::ranges::find_if(out.rows, [&](const MismatchRow& r) { return r.time_s > o.start + o.duration; });
+            if (after != out.rows.begin() && after != out.rows.end()) out.outage_ends.push_back(*std::prev(after));
+        }
     return out;
 }
 

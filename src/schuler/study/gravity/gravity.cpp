@@ -71,7 +71,7 @@ fusion::Trajectory trajectory_of(const earth::Earth& earth, const std::vector<Su
     return out;
 }
 
-std::string in_mgal(double x, int digits = 2) {
+std::string mgal_text(double x, int digits = 2) {
     return std::isfinite(x) ? fmt::format("{:.{}g} mGal", x / units::mgal, digits) : std::string("an unknown amount");
 }
 
@@ -94,12 +94,12 @@ Attainability attainability(const GravityInput& in, const std::vector<SurveyEpoc
         a.statement = fmt::format(
             "this log cannot show the disturbance of gravity: covariance analysis leaves {} of the {} that were assumed "
             "before (accelerometers known to {}); no gravity is written",
-            in_mgal(a.vertical), in_mgal(a.prior_vertical), in_mgal(accel));
+            mgal_text(a.vertical), mgal_text(a.prior_vertical), mgal_text(accel));
     } else {
         a.statement = fmt::format(
             "covariance analysis: the vertical disturbance is known to {} at the end, the horizontal one to {}; its level cannot "
             "be distinguished from the accelerometers' constant error ({})",
-            in_mgal(a.vertical), in_mgal(a.horizontal), in_mgal(accel));
+            mgal_text(a.vertical), mgal_text(a.horizontal), mgal_text(accel));
         if (std::isfinite(a.resolved_period))
             a.statement += fmt::format(
                 "; a wavelength of {:.3g} s{} keeps half its amplitude", a.resolved_period,

@@ -92,6 +92,11 @@ report::Json papers_cases(const ObservabilityRequest& r, std::string& text) {
 }  // namespace
 
 report::Outcome analyze_observability(const ObservabilityRequest& r) {
+    const ObservabilityRequest usual;
+    const char* of_scenario = !r.above.empty() ? "--set" : r.seed ? "--seed" : r.rate != usual.rate ? "--rate" : nullptr;
+    if (of_scenario != nullptr)
+        throw input_error("belongs to the path of a scenario", {.file = {}, .key = of_scenario},
+                          "name the scenario file, or leave it out");
     return with_option_names([&] {
         check_finite({{"latitude-deg", r.latitude_deg},
                       {"longitude-deg", r.longitude_deg},
