@@ -153,6 +153,60 @@ def facts_heading(program, source):
         check(not any("restarted" in text for text in summary["warnings"]), f"{given}: {summary['warnings']}")
 
 
+FIGURES_OF_EIGHT = """
+name = "eight"
+seed = 1
+duration_s = 400
+reference_rate_hz = 10
+[trajectory]
+type = "figure8"
+start = { lat_deg = 48, lon_deg = 11, height_m = 500 }
+length_m = 600
+width_m = 240
+loop_height_m = 10
+figure_s = 60
+[imu]
+rate_hz = 100
+grade = "consumer"
+[gnss]
+rate_hz = 5
+white_m = [0.3, 0.3, 0.5]
+white_velocity_m_s = [0.1, 0.1, 0.15]
+correlated_m = 0.8
+[mag]
+rate_hz = 10
+white_ut = 0.3
+hard_iron_ut = 9
+soft_iron = 0.05
+"""
+
+
+def facts_magnetometer(program, source):
+    """A magnetometer as it comes, with a deviation of tens of degrees and soft iron, tilts nobody; and a receiver whose stated vertical sigma is hardly
+    larger than the horizontal one is not refused."""
+    folder = Path(program.folder)
+    (folder / "eight.toml").write_text(FIGURES_OF_EIGHT)
+    program("simulate", "eight.toml", "-o", "simulated", "-q")
+    drive = folder / "eight"
+    drive.mkdir()
+    for name in ("imu.csv", "gnss.csv", "mag.csv"):
+        shutil.copy(folder / "simulated" / name, drive / name)
+    (drive / "dataset.toml").write_text('[vehicle]\nkind = "air"\n[imu]\nfile = "imu.csv"\naxes = "frd"\n[gnss]\nfile = "gnss.csv"\n[mag]\nfile = "mag.csv"\n')
+    summary = summary_of(program, "eight", "-o", "out", "-q")
+    with open(folder / "simulated/reference.csv", newline="") as file:
+        truth = {round(float(r["time_s"]), 2): r for r in csv.DictReader(file)}
+    with open(folder / "out/solution.csv", newline="") as file:
+        rows = [r for r in csv.DictReader(file) if float(r["time_s"]) > 60 and round(float(r["time_s"]), 2) in truth]
+    for angle in ("roll", "pitch", "heading"):
+        beyond = 0
+        for r in rows:
+            error = (float(r[angle + "_deg"]) - float(truth[round(float(r["time_s"]), 2)][angle + "_deg"]) + 180) % 360 - 180
+            beyond += abs(error) > 3 * float(r[f"std_{angle}_deg"])
+        check(len(rows) > 3000 and beyond < 0.05 * len(rows), f"{angle}: {beyond} of {len(rows)} epochs are beyond three sigma")
+    refused = summary["gnss"]["rejected"]
+    check(refused < 40, f"{refused} good fixes were refused")
+
+
 def facts_real(program, source):
     """drive_0708: a dataset.toml that says less than could be found is as good as none; a latency that counts twice is told."""
     data = Path(os.environ.get("SCHULER_DATA", source.parent / "shared/data"))
@@ -291,5 +345,6 @@ def facts_raw(program, source):
 
 if __name__ == "__main__":
     main({"facts_partial": facts_partial, "facts_repeat": facts_repeat, "facts_curves": facts_curves, "facts_real": facts_real, "facts_heading": facts_heading,
+          "facts_magnetometer": facts_magnetometer,
           "facts_checked": facts_checked,
           "facts_raw": facts_raw})

@@ -131,6 +131,27 @@ namespace {
 
 /// m: upper limit of the wander of any receiver; a poor model of the inertial unit must not be taken for it.
 constexpr double most_wander = 2.5;
+/// Slow errors north, east, down of a receiver relative to the horizontal ones: all satellites are on one side of it. `stated`: typical
+/// sigmas of the log, zero if there are none; a smaller ratio than usual is believed, or nothing would be left for the white part.
+Vector3d upright(const Vector3d& stated) {
+    constexpr double usual = 1.5;
+    return {1.0, 1.0, stated.x() > 0.0 && stated.z() > 0.0 ? std::clamp(stated.z() / stated.x(), 1.0, usual) : usual};
+}
+
+/// Median of the sigmas stated by a receiver without corrections, m, NED; 0 if most fixes have corrections.
+Vector3d stated_by_autonomous(const Recording& recording) {
+    Vector3d out = Vector3d::Zero();
+    for (int i = 0; i < 3; ++i) {
+        std::vector<double> stated;
+        for (const GnssFix& f : recording.gnss)
+            if (f.fix == FixType::Autonomous || (f.fix == FixType::Unknown && f.std_position(i) > 0.5))
+                stated.push_back(f.std_position(i));
+        std::erase_if(stated,
+                      [](double s) { return !(s > 0.0 && s < 20.0); });  // m: corrected ones are better, useless ones are white
+        if (2 * stated.size() > recording.gnss.size()) out(i) = math::median(std::move(stated));
+    }
+    return out;
+}
 
 /// A positive setting searched on a logarithmic scale about its value before tuning; never NaN, retained between rounds.
 struct LogKnob {
@@ -211,19 +232,19 @@ std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& record
     // Receivers have correlated errors: internal filters, atmosphere, multipath. Their size follows from the correlation of
     // innovations; with stated sigmas, the physics of a receiver without corrections gives a lower bound. A fixed solution with
     // stated sigmas has hardly any. The correlation time cannot be found from minutes of data: ten minutes, as for the atmosphere,
-    // so that no solution averages below the receiver's stated accuracy; `upright`: vertical relative to horizontal errors.
-    const auto wander = [&](double sigma, double time, double low, double high, double least, double upright) {
+    // so that no solution averages below the receiver's stated accuracy.
+    const auto wander = [&](double sigma, double time, double low, double high, double least) {
+        const Vector3d axes = upright(stated_by_autonomous(recording));
         knobs.push_back({"gnss.correlated_m",
                          [=](Settings& s, double x) {
-                             s.gnss.errors.correlated_position =
-                                 std::min(most_wander, sigma * std::exp(x)) * Vector3d(1.0, 1.0, upright);
+                             s.gnss.errors.correlated_position = std::min(most_wander, sigma * std::exp(x)) * axes;
                              s.gnss.errors.correlated_time = time;
                          },
                          low, high, false, least});
     };
     if (g.estimate_std && g.errors.correlated_position.isZero()) {
-        if (missing.position) wander(0.5, 60.0, -3.0, 0.0, -1e3, 1.0);
-        else if (before.imu.estimate_noise && !precise) wander(0.3, 600.0, 0.0, 2.3, 0.0, 1.5);
+        if (missing.position) wander(0.5, 60.0, -3.0, 0.0, -1e3);
+        else if (before.imu.estimate_noise && !precise) wander(0.3, 600.0, 0.0, 2.3, 0.0);
     }
     // A log's own sigmas may be far too small; if they are too large only accuracy is lost.
     const auto larger = [](double x) { return std::exp(std::max(0.0, x)); };
@@ -275,21 +296,6 @@ std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& record
     return knobs;
 }
 
-/// Median of the sigmas stated by a receiver without corrections, m, NED; 0 if most fixes have corrections.
-Vector3d stated_by_autonomous(const Recording& recording) {
-    Vector3d out = Vector3d::Zero();
-    for (int i = 0; i < 3; ++i) {
-        std::vector<double> stated;
-        for (const GnssFix& f : recording.gnss)
-            if (f.fix == FixType::Autonomous || (f.fix == FixType::Unknown && f.std_position(i) > 0.5))
-                stated.push_back(f.std_position(i));
-        std::erase_if(stated,
-                      [](double s) { return !(s > 0.0 && s < 20.0); });  // m: corrected ones are better, useless ones are white
-        if (2 * stated.size() > recording.gnss.size()) out(i) = math::median(std::move(stated));
-    }
-    return out;
-}
-
 /// Fitted values are limited by the physics of the devices, however quiet they were in the trial: a receiver without stated
 /// sigmas and corrections has correlated errors of a metre (open services reach 2 to 4 m at 95 % horizontally) and a scatter of
 /// some centimetres; a magnetometer's errors change with its vehicle's direction and currents.
@@ -300,12 +306,12 @@ void keep_physical(Settings& settings, const Settings& before, const Recording& 
     // The accuracy stated by an autonomous receiver is mostly that of its slow errors, which minutes of a log do not fully reveal.
     if (before.gnss.estimate_std && before.imu.estimate_noise && !missing.position &&
         before.gnss.errors.correlated_position.isZero()) {
-        const Vector3d stated = stated_by_autonomous(recording), upright(1.0, 1.0, 1.5);
+        const Vector3d stated = stated_by_autonomous(recording), axes = upright(stated);
         constexpr double refuted =
             1.5;  // the fixes scatter by this much more than stated: the stated values do not include their slow errors either
         const bool is_refuted = g.std_scale > refuted && stated.x() > 0.0;
-        const Vector3d accuracy = is_refuted ? Vector3d((g.std_scale * stated).cwiseMax(least_slow * upright)) : stated;
-        const Vector3d slow = g.errors.correlated_position.cwiseMax(accuracy.cwiseMin(most_wander * upright));
+        const Vector3d accuracy = is_refuted ? Vector3d((g.std_scale * stated).cwiseMax(least_slow * axes)) : stated;
+        const Vector3d slow = g.errors.correlated_position.cwiseMax(accuracy.cwiseMin(most_wander * axes));
         // The fitted value is the scatter: a larger slow part increases the total, and does not reduce the white part.
         if (stated.x() > 0.0 && slow.x() > g.errors.correlated_position.x()) {
             const double white = white_part(g.std_scale * stated.x(), g.errors.correlated_position.x());
@@ -316,8 +322,8 @@ void keep_physical(Settings& settings, const Settings& before, const Recording& 
     if (before.gnss.estimate_std && missing.position && !precise) {
         g.default_std_position = g.default_std_position.cwiseMax(least_white);
         if (before.gnss.errors.correlated_position.isZero())  // at least as large as the scatter
-            g.errors.correlated_position =
-                g.errors.correlated_position.cwiseMax(g.default_std_position.cwiseMin(most_wander)).cwiseMax(least_slow);
+            g.errors.correlated_position = g.errors.correlated_position.cwiseMax(g.default_std_position.cwiseMin(most_wander))
+                                               .cwiseMax(least_slow * upright(Vector3d::Zero()));
     }
     if (before.gnss.estimate_std && missing.velocity) g.default_std_velocity = g.default_std_velocity.cwiseMax(least_velocity);
     if (before.imu.estimate_noise && before.mag.use)
