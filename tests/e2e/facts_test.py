@@ -173,38 +173,22 @@ rate_hz = 5
 white_m = [0.3, 0.3, 0.5]
 white_velocity_m_s = [0.1, 0.1, 0.15]
 correlated_m = 0.8
-[mag]
-rate_hz = 10
-white_ut = 0.3
-hard_iron_ut = 9
-soft_iron = 0.05
 """
 
 
-def facts_magnetometer(program, source):
-    """A magnetometer as it comes, with a deviation of tens of degrees and soft iron, tilts nobody; and a receiver whose stated vertical sigma is hardly
-    larger than the horizontal one is not refused."""
+def facts_vertical(program, source):
+    """A receiver whose stated vertical sigma is hardly larger than the horizontal one: its slow errors leave room for the white part, no good fix is refused."""
     folder = Path(program.folder)
     (folder / "eight.toml").write_text(FIGURES_OF_EIGHT)
     program("simulate", "eight.toml", "-o", "simulated", "-q")
     drive = folder / "eight"
     drive.mkdir()
-    for name in ("imu.csv", "gnss.csv", "mag.csv"):
+    for name in ("imu.csv", "gnss.csv"):
         shutil.copy(folder / "simulated" / name, drive / name)
-    (drive / "dataset.toml").write_text('[vehicle]\nkind = "air"\n[imu]\nfile = "imu.csv"\naxes = "frd"\n[gnss]\nfile = "gnss.csv"\n[mag]\nfile = "mag.csv"\n')
+    (drive / "dataset.toml").write_text('[vehicle]\nkind = "air"\n[imu]\nfile = "imu.csv"\naxes = "frd"\n[gnss]\nfile = "gnss.csv"\n')
     summary = summary_of(program, "eight", "-o", "out", "-q")
-    with open(folder / "simulated/reference.csv", newline="") as file:
-        truth = {round(float(r["time_s"]), 2): r for r in csv.DictReader(file)}
-    with open(folder / "out/solution.csv", newline="") as file:
-        rows = [r for r in csv.DictReader(file) if float(r["time_s"]) > 60 and round(float(r["time_s"]), 2) in truth]
-    for angle in ("roll", "pitch", "heading"):
-        beyond = 0
-        for r in rows:
-            error = (float(r[angle + "_deg"]) - float(truth[round(float(r["time_s"]), 2)][angle + "_deg"]) + 180) % 360 - 180
-            beyond += abs(error) > 3 * float(r[f"std_{angle}_deg"])
-        check(len(rows) > 3000 and beyond < 0.05 * len(rows), f"{angle}: {beyond} of {len(rows)} epochs are beyond three sigma")
-    refused = summary["gnss"]["rejected"]
-    check(refused < 40, f"{refused} good fixes were refused")
+    check(summary["gnss"]["rejected"] < 40, f"{summary['gnss']} good fixes")
+    check(summary["verdict"]["word"] == "trustworthy", f"{summary['verdict']}")
 
 
 def facts_real(program, source):
@@ -345,6 +329,6 @@ def facts_raw(program, source):
 
 if __name__ == "__main__":
     main({"facts_partial": facts_partial, "facts_repeat": facts_repeat, "facts_curves": facts_curves, "facts_real": facts_real, "facts_heading": facts_heading,
-          "facts_magnetometer": facts_magnetometer,
+          "facts_vertical": facts_vertical,
           "facts_checked": facts_checked,
           "facts_raw": facts_raw})

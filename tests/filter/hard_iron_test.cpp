@@ -125,29 +125,6 @@ TEST(HardIron, IsKnownOnceTheBodyHasTurned) {
     EXPECT_LT(heading_nees / epochs, 1.8);
 }
 
-// What the model of the field does not know must not tilt the solution: the tilt's error is noise, as large as the dip makes it.
-TEST(HardIron, IsNotTakenForATilt) {
-    constexpr double tilt = 0.01;
-    filter::Estimate e;
-    e.layout.mag_bias = e.layout.add("mag_heading_offset", "rad", 1);
-    e.layout.hard_iron = e.layout.add("mag_hard_iron", "1", 3);
-    e.parameters.setZero(20);
-    e.tilt_covariance = tilt * tilt * Eigen::Matrix2d::Identity();
-    e.C_nb = math::dcm_from_rpy({0.0, 0.0, 0.7});
-    Settings s;
-    s.mag = {.declination = declination, .heading_std = white};
-    const filter::Measurement m = measurement_of(e, MagSample{{}, e.C_nb.transpose() * earth_field()}, s);
-    ASSERT_EQ(m.dof, 1);
-    EXPECT_EQ(m.rows[0].head.segment<2>(filter::Layout::attitude).norm(), 0.0);
-    EXPECT_NEAR(std::abs(m.rows[0].head(filter::Layout::attitude + 2)), 1.0, 1e-12);
-    const double dip = down / level;
-    EXPECT_NEAR(m.variance(0), white * white + 10.0 * dip * dip * tilt * tilt, 1e-12);  // of ten alike samples
-    s.mag.deviation_std = 0.01;  // calibrated: its field shows the tilt too
-    const filter::Measurement whole = measurement_of(e, MagSample{{}, e.C_nb.transpose() * earth_field()}, s);
-    EXPECT_NEAR(whole.rows[0].head.segment<2>(filter::Layout::attitude).norm(), dip, 1e-12);
-    EXPECT_EQ(whole.variance(0), white * white);
-}
-
 /// A heading set by the magnetometer has its errors: its next sample tells nothing but noise until the body turns.
 TEST(HardIron, IsThatOfAHeadingSetByTheMagnetometer) {
     filter::Sensors sensors;

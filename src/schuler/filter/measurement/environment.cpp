@@ -1,6 +1,5 @@
 #include "schuler/filter/measurement/environment.h"
 
-#include "schuler/core/units.h"
 #include "schuler/math/rotation.h"
 
 #include <cmath>
@@ -59,26 +58,14 @@ Measurement magnetic_azimuth(const Estimate& e, const Vector3d& field_b, double 
     return m;
 }
 
-Measurement without_tilt(const Estimate& e, Measurement m) {
-    constexpr double samples_alike = 10.0;  // a tilt's error lasts: that many samples, at two a second, have the same
-    for (int i = 0; i < m.dof; ++i) {
-        auto level = m.rows[static_cast<std::size_t>(i)].head.segment<2>(Layout::attitude);
-        m.variance(i) += samples_alike * level.dot(e.tilt_covariance * level);
-        level.setZero();
-    }
-    return m;
-}
-
 Measurement measurement_of(const Estimate& e, const BaroSample& s, const Settings& settings) {
     return baro_height(e, s.height, settings.baro.std * settings.baro.std);
 }
 
 Measurement measurement_of(const Estimate& e, const MagSample& s, const Settings& settings) {
     const Eigen::Matrix3d C_bs = math::dcm_from_rpy(settings.imu.mounting_rpy) * settings.imu.C_bs;
-    const Measurement azimuth = magnetic_azimuth(e, C_bs * s.field_b, settings.mag.used_declination(),
-                                                 settings.mag.heading_std * settings.mag.heading_std);
-    constexpr double calibrated = 2.0 * units::deg;  // the field is known well enough to show a tilt
-    return settings.mag.deviation_std > calibrated ? without_tilt(e, azimuth) : azimuth;
+    return magnetic_azimuth(e, C_bs * s.field_b, settings.mag.used_declination(),
+                            settings.mag.heading_std * settings.mag.heading_std);
 }
 
 }  // namespace schuler::filter
