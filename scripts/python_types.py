@@ -26,7 +26,7 @@ def type_of(option):
 
 def stub_of(command, name):
     options = [o for o in command["options"] if o["key"] != "set"]
-    parts = [f"{c.argument_of(o['key'])}: {type_of(o)}" for o in options if o["positional"]] + ["*"]
+    parts = [f"{c.argument_of(o['key'])}: {type_of(o)}" + ("" if o["required"] else " | None = ...") for o in options if o["positional"]] + ["*"]
     parts += [f"{c.argument_of(o['key'])}: {type_of(o)} | None = ..." for o in options if not o["positional"]]
     if c.takes_settings(command):
         parts.append("settings: dict[str, Any] | None = ...")

@@ -118,7 +118,8 @@ def function_of(name, qualified=None):
         return perform(name, arguments, keywords)
 
     kinds = inspect.Parameter
-    parameters = [kinds(argument_of(o["key"]), kinds.POSITIONAL_OR_KEYWORD) for o in options if o["positional"]]
+    parameters = [kinds(argument_of(o["key"]), kinds.POSITIONAL_OR_KEYWORD, default=kinds.empty if o["required"] else None)
+                  for o in options if o["positional"]]
     parameters += [kinds(argument_of(o["key"]), kinds.KEYWORD_ONLY, default=None) for o in options if not o["positional"]]
     general = [g for g in _GENERAL if g != "settings" or takes_settings(command)]
     parameters += [kinds(g, kinds.KEYWORD_ONLY, default=None) for g in general]

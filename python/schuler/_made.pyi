@@ -218,7 +218,7 @@ def gravity(
 ) -> Result: ...
 def paper(
     paper: str,
-    item: str | PathLike[str],
+    item: str | PathLike[str] | None = ...,
     *,
     output: str | PathLike[str] | None = ...,
     runs: int | None = ...,

@@ -61,7 +61,7 @@ def schuler(
     force: bool | None = ...,
 ) -> Result: ...
 def observability(
-    scenario: str | PathLike[str],
+    scenario: str | PathLike[str] | None = ...,
     *,
     seed: int | None = ...,
     rate: float | None = ...,
