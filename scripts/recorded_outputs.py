@@ -4,10 +4,10 @@
     recorded_outputs.py record FOLDER --schuler build/bin/schuler [--data FOLDER] [--only TEXT]
     recorded_outputs.py compare BEFORE AFTER [--figures]
 
-`record` runs every example, the studies, the conversions and the readers on one simulated drive, and with --data every data set of a
-folder; standard output and exit status of each are files of the record, too. `compare` leaves out only the
-time taken, the version, the folder and the mark of its own files; it names every file that differs, the first line that does, and in tables the greatest difference
-of each column. It ends with 0 where nothing differs, or with 1.
+`record` runs every example, most studies, and `process`, `inspect` and `ahrs` on one simulated drive, and with --data every data set of a
+folder; standard output and exit status of each are files of the record, too. `compare` leaves out only the time taken, the version, the
+folder and the marks that the program puts beside its files; it names every file that differs and the first line that does, with --figures
+also the greatest difference of each column of a table. The exit status is 0 where nothing differs, or else 1.
 """
 import argparse
 import csv
@@ -47,11 +47,12 @@ def commands(data):
     yield "analyze-covariance", ["analyze", "covariance", examples / "paper-a-flight.toml"]
     yield "analyze-integrity", ["analyze", "integrity", examples / "approach.toml", "-n", "1"]
     yield "analyze-observability", ["analyze", "observability"]
+    yield "analyze-observability-path", ["analyze", "observability", examples / "demo.toml"]
     yield "analyze-equator", ["analyze", "equator"]
     yield "analyze-schuler", ["analyze", "schuler"]
     yield "analyze-allan", ["analyze", "allan", f"{drive}/imu.csv"]
-    for language in ("--reference", "settings", "formats"):
-        yield f"help-{language.strip('-')}", ["help", language]
+    for topic in ("--reference", "settings", "formats"):
+        yield f"help-{topic.strip('-')}", ["help", topic]
     for folder in sorted(p for p in data.iterdir() if p.is_dir()) if data else ():
         yield f"inspect-{folder.name}", ["inspect", folder]
         kind = "ahrs" if folder.name.startswith("broad") else "process"

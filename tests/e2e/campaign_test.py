@@ -199,6 +199,13 @@ def covariance(program, source):
     check(seen["refused"] == 0 and states["attitude_down"]["end"] < states["attitude_down"]["start"], f"observability: {list(states)}")
     for state in seen["states"] + seen["combinations"]:
         check(state["left"] > 0.999 or abs(sum(state["shares"].values()) - 1) < 1e-6, f"shares add up: {state}")
+    # of tight coupling, with corrections by measurements alone: the sources are what the filter states (ranges cause a sixth of the variance)
+    alone = [word for key in ("mag.use", "filter.nonholonomic", "filter.zero_velocity") for word in ("--set", f"{key}=false")]
+    table = json.loads(program("analyze", "covariance", Path(source) / "examples/car-tight.toml", *alone, "--json").stdout)
+    rows = {row["source"]: row for row in table["rows"]}
+    for key in ("horizontal_m", "up_m", "velocity_m_s", "heading_deg"):
+        check(0.94 < rows["all"][key] / rows["filter"][key] < 1.03, f"tight, {key}: {rows['all'][key]} of {rows['filter'][key]}")
+        check(rows["ranges"][key] > 0.3 * rows["all"][key], f"tight, {key}: {rows['ranges'][key]} by ranges")
     tight = json.loads(program("analyze", "observability", Path(source) / "examples/car-tight.toml", "--json").stdout)
     check("clock_bias" in {state["state"] for state in tight["states"]}, "a tight filter has its receiver's clock")
     program.fails("analyze", "observability", "right.toml", "--vn", 1, parts=["--vn", "scenario"])

@@ -140,7 +140,8 @@ public:
         else if (!covers(worst))
             add("self_check.low", "{} of {} windows without fixes are outside three sigma; {}", lost, worst.held.epochs, told);
         else if (c.widened && c.tried && std::max(c.tried->gyro, c.tried->accel) >= NoiseScale::most)
-            add("self_check.low", "the noise is {:.0f} times wider, the most there is: {}", NoiseScale::most, told);
+            add("self_check.low", "the assumed noise was increased to its limit of {:.0f} times, which may not be enough: {}",
+                NoiseScale::most, told);
         else if (worst.end_rms > 2.0 * worst.sigma_rms)
             add("self_check.growth", "errors grow twice as fast as the sigmas: {}", told);
         else add("evidence.self_check", "{}", told);
