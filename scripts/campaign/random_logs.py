@@ -98,7 +98,15 @@ def weighted(dice, table):
     return dice.choices(list(table), weights)[0]
 
 
-def receiver(dice):
+def slow_velocity(seed, index, white):
+    """Slow errors of a receiver's velocities, by its own filter and multipath: half have them. From numbers of their own."""
+    own = random.Random(f"{seed}/{index}/velocity")
+    if own.random() < 0.5:
+        return {}
+    return {"correlated_velocity_m_s": round(white * own.uniform(0.3, 1.0), 4), "correlated_velocity_time_s": round(own.uniform(2, 30), 1)}
+
+
+def receiver(dice, seed, index):
     """Its properties and its section of the scenario."""
     kind = dice.choice(["rtk", "differential", "autonomous"])
     white = {"rtk": dice.uniform(0.008, 0.02), "differential": dice.uniform(0.2, 0.5), "autonomous": dice.uniform(0.7, 2.0)}[kind]
@@ -109,7 +117,7 @@ def receiver(dice):
     keys = {"rate_hz": dice.choice([1, 2, 4, 5, 10]), "receiver": quoted("rtk" if kind == "rtk" else "autonomous"),
             "white_m": [round(white, 4), round(white, 4), round(1.6 * white, 4)], "white_velocity_m_s": [speed, speed, round(1.6 * speed, 3)],
             "correlated_m": round(white * dice.uniform(0.5, 1.5), 3) if slow else 0, "correlated_time_s": round(dice.uniform(30, 600)),
-            "latency_s": late, "velocity_latency_s": late_velocity}
+            "latency_s": late, "velocity_latency_s": late_velocity, **slow_velocity(seed, index, speed)}
     told = {"receiver": kind, "rate": keys["rate_hz"], "latency": late, "velocity latency": late_velocity, "slow errors": "yes" if slow else "no"}
     return told, keys
 
@@ -141,7 +149,13 @@ def withheld(dice, duration):
         t += length + dice.uniform(50, 110)
 
 
-def further_sensors(dice):
+def iron(dice, seed, index):
+    """Hard iron (uT) and soft iron of the body: half of the magnetometers are calibrated. From numbers of its own, as the lever arm is."""
+    calibrated, own = round(dice.uniform(0, 3), 2), random.Random(f"{seed}/{index}/iron")
+    return (calibrated, 0) if own.random() < 0.5 else (round(own.uniform(3, 10), 2), round(own.uniform(0, 0.05), 3))
+
+
+def further_sensors(dice, seed, index):
     """Sections of barometer and magnetometer, and their names."""
     text, names = "", []
     if dice.random() < 0.4:
@@ -149,8 +163,9 @@ def further_sensors(dice):
         text += toml("baro", {"rate_hz": dice.choice([5, 10, 25]), "white_m": round(dice.uniform(0.1, 0.8), 2), "bias_m": 5, "bias_walk_m": 0.02})
     if dice.random() < 0.35:
         names.append("mag")
-        text += toml("mag", {"rate_hz": 10, "declination_deg": round(dice.uniform(-10, 10), 1), "inclination_deg": round(dice.uniform(-70, 70)),
-                             "white_ut": 0.3, "hard_iron_ut": round(dice.uniform(0, 3), 2)})
+        inclination = {"declination_deg": round(dice.uniform(-10, 10), 1), "inclination_deg": round(dice.uniform(-70, 70))}
+        hard, soft = iron(dice, seed, index)
+        text += toml("mag", {"rate_hz": 10, **inclination, "white_ut": 0.3, "hard_iron_ut": hard, "soft_iron": soft})
     return " ".join(names) or "none", text
 
 
@@ -176,9 +191,9 @@ def draw(seed, index, shortest=180.0, longest=1200.0, antenna=False):
     vehicle, grade = weighted(dice, VEHICLES), weighted(dice, GRADES)
     duration = round(dice.uniform(shortest, longest))
     path, trajectory = VEHICLES[vehicle][0](dice, duration)
-    told, gnss = receiver(dice)
+    told, gnss = receiver(dice, seed, index)
     words, angles = mounting(dice, vehicle)
-    sensors, sections = further_sensors(dice)
+    sensors, sections = further_sensors(dice, seed, index)
     rate, written = dice.choice([50, 100, 100, 200]), style(dice)
     outages = withheld(dice, duration)
     arm, given = lever_arm(seed, index, vehicle) if antenna else ((0.0, 0.0, 0.0), False)

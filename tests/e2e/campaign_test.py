@@ -207,6 +207,8 @@ def covariance(program, source):
         check(0.94 < rows["all"][key] / rows["filter"][key] < 1.03, f"tight, {key}: {rows['all'][key]} of {rows['filter'][key]}")
         check(rows["ranges"][key] > 0.3 * rows["all"][key], f"tight, {key}: {rows['ranges'][key]} by ranges")
     tight = json.loads(program("analyze", "observability", Path(source) / "examples/car-tight.toml", "--json").stdout)
+    told = program("analyze", "observability", "right.toml", "--set", "filter.integrity.use=true").stderr
+    check("filter.integrity.use has no effect" in told, f"what is set aside is named: {told}")
     check("clock_bias" in {state["state"] for state in tight["states"]}, "a tight filter has its receiver's clock")
     program.fails("analyze", "observability", "right.toml", "--vn", 1, parts=["--vn", "scenario"])
     program.fails("analyze", "observability", "--rate", 10, parts=["--rate", "scenario"])

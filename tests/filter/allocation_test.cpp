@@ -90,7 +90,7 @@ long allocations_of_a_run() {
     data.still = find_still(data.imu, recording, data.events, f);
     for (int dof = 1; dof <= 3; ++dof) data.gates.chi_square[dof] = math::chi_square_quantile(0.9999, dof);
     const Layout layout = make_layout(f, recording);
-    EXPECT_EQ(layout.size, 35);
+    EXPECT_EQ(layout.size, 36);
     EXPECT_GT(data.still.windows.size(), 10u);
     const InertialModel model = make_model(f, layout);
     const Pass<Frame> pass(model, data, f);

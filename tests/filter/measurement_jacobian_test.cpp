@@ -29,7 +29,7 @@ using Eigen::VectorXd;
 using schuler::test::LinearModel;
 using schuler::test::tolerance_of;
 
-constexpr int N = 48;
+constexpr int N = 49;
 
 Layout full_layout() {
     Layout L;
@@ -41,6 +41,7 @@ Layout full_layout() {
     L.baro_bias = L.add("baro_bias", "m", 1);
     L.mag_bias = L.add("mag_heading_offset", "rad", 1);
     L.hard_iron = L.add("mag_hard_iron", "1", 3);
+    L.mag_disturbance = L.add("mag_disturbance", "rad", 1);
     L.gnss_position = L.add("gnss_position_error", "m", 3);
     L.gnss_velocity = L.add("gnss_velocity_error", "m/s", 3);
     L.gnss_latency = L.add("gnss_latency_error", "s", 1);
@@ -76,7 +77,8 @@ VectorXd sizes(double position, double velocity, double attitude) {
     s.segment<2>(L.mounting).setConstant(1e-3);
     s.segment<3>(L.lever_arm).setConstant(0.1);
     s(L.axle) = 0.1;
-    s(L.mag_bias) = s(L.gnss_latency) = s(L.gnss_velocity_latency) = s(L.odometer_scale) = s(L.heading_offset) = 1e-3;
+    s(L.mag_bias) = s(L.mag_disturbance) = s(L.gnss_latency) = s(L.gnss_velocity_latency) = s(L.odometer_scale) =
+        s(L.heading_offset) = 1e-3;
     s.segment<3>(L.hard_iron).setConstant(1e-3);
     s(L.log_scale) = s(L.log_misalignment) = s(L.log_misalignment + 1) = 1e-3;
     return s;
@@ -110,6 +112,7 @@ std::vector<Point> random_points(int count) {
         e.parameters.segment<3>(e.layout.lever_arm) = vector(2.0);
         e.parameters(e.layout.baro_bias) = 20.0 * unit(generator);
         e.parameters(e.layout.mag_bias) = unit(generator);
+        e.parameters(e.layout.mag_disturbance) = 0.2 * unit(generator);
         e.parameters.segment<3>(e.layout.hard_iron) = vector(0.3);
         e.parameters.segment<3>(e.layout.gnss_position) = vector(2.0);
         e.parameters.segment<3>(e.layout.gnss_velocity) = vector(0.1);
@@ -132,7 +135,7 @@ Estimate erring(const Estimate& truth, const VectorXd& dx) {
     e.nav = ins::perturbed(truth.earth, truth.nav, dx.head<9>());
     e.C_nb = e.nav.q_nb.toRotationMatrix();
     e.w_ib_b = truth.w_ib_b - dx.segment<3>(Layout::gyro_bias);
-    e.parameters.tail(N - 9) += dx.tail(N - 9);
+    e.parameters.segment(9, N - 9) += dx.tail(N - 9);
     return e;
 }
 
@@ -275,7 +278,8 @@ TEST(Aids, PerfectMeasurementsHaveNoInnovation) {
         const Vector3d w_ie_b = C_eb.transpose() * w_ie_e, gyro_bias = e.parameters.segment<3>(Layout::gyro_bias);
         EXPECT_LT(zero_rate(e, w_ie_b + gyro_bias, 1.0).innovation.norm(), 1e-12);
         EXPECT_NEAR(baro_height(e, e.nav.position.h + e.parameters(e.layout.baro_bias), 1.0).innovation(0), 0.0, 1e-12);
-        const double azimuth = 0.3 - e.parameters(e.layout.mag_bias);  // declination less the magnetometer's offset
+        // declination less the magnetometer's errors
+        const double azimuth = 0.3 - e.parameters(e.layout.mag_bias) - e.parameters(e.layout.mag_disturbance);
         const Vector3d field(std::cos(azimuth), std::sin(azimuth), 1.5);
         const Vector3d iron = e.parameters.segment<3>(e.layout.hard_iron);  // of a field whose horizontal part is 1
         EXPECT_NEAR(magnetic_azimuth(e, e.C_nb.transpose() * field + iron, 0.3, 1.0).innovation(0), 0.0, 1e-12);
@@ -326,7 +330,7 @@ template <class Frame>
 InertialFilter<Frame> filter_at(const Estimate& e) {
     InertialFilter<Frame> f(model_of(e));
     f.set_nav(Frame::from_geographic(e.earth, e.nav));
-    f.parameters = e.parameters;
+    f.parameters.head(N) = e.parameters;  // a filter has room for a multiple of four
     f.w_ib_b = e.w_ib_b;
     return f;
 }
@@ -388,7 +392,7 @@ std::vector<LinearModel> transition_models() {
             return VectorXd(extrapolated([&](double dt) {
                 InertialFilter<Frame> t = filter_at<Frame>(truth), e = t;
                 e.set_nav(perturbed(truth.earth, t.nav, dx.head<9>()));
-                e.parameters.tail(N - 9) += dx.tail(N - 9);
+                e.parameters.segment(9, N - 9) += dx.tail(N - 9);
                 estim::Transition phi;
                 for (InertialFilter<Frame>* f : {&t, &e}) {
                     f->propagate(model, raw(dt), {});
@@ -396,7 +400,7 @@ std::vector<LinearModel> transition_models() {
                 }
                 VectorXd after(N);
                 after.head<9>() = error_between(truth.earth, e.nav, t.nav);
-                after.tail<N - 9>() = (e.parameters - t.parameters).tail(N - 9);
+                after.tail<N - 9>() = (e.parameters - t.parameters).segment(9, N - 9);
                 return VectorXd((after - dx) / dt);
             }));
         };
@@ -425,7 +429,7 @@ std::vector<LinearModel> mapped_models(Aid aid, double attitude_floor) {
         const auto output = [aid, truth, model, f](const VectorXd& dx) {
             InertialFilter<Frame> e = f;
             e.set_nav(perturbed(truth.earth, f.nav, dx.head<9>()));
-            e.parameters.tail(N - 9) += dx.tail(N - 9);
+            e.parameters.segment(9, N - 9) += dx.tail(N - 9);
             e.w_ib_b -= dx.segment<3>(Layout::gyro_bias);
             const Measurement at = aid(truth, e.estimate(model));
             return VectorXd(at.innovation.head(at.dof));

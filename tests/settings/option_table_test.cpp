@@ -6,6 +6,8 @@
 
 #include <cmath>
 #include <random>
+#include <string>
+#include <utility>
 
 namespace schuler::settings {
 namespace {
@@ -211,6 +213,23 @@ TEST(OptionTable, WhatWasUsedReadsBackTheSame) {
 TEST(OptionTable, DeviationOfTheMagneticHeadingIsInDegrees) {
     EXPECT_DOUBLE_EQ(parsed("[mag]\nheading_deviation_deg = 4\n").filter.mag.deviation_std, 4.0 * units::deg);
     EXPECT_EQ(parsed("[mag]\nheading_deviation_deg = 0\n").filter.mag.deviation_std, 0.0);
+}
+
+TEST(OptionTable, NumbersOfTheBarometerAndTheMagnetometerAreFittedUnlessGiven) {
+    using fusion::BaroSettings;
+    using fusion::MagSettings;
+    const Config bare = parsed("");
+    EXPECT_TRUE(bare.filter.baro.fit_std && bare.filter.baro.fit_bias_walk && bare.filter.mag.fit_heading_std);
+    EXPECT_FALSE(parsed("[baro]\nwhite_m = 1\n").filter.baro.fit_std);
+    EXPECT_FALSE(parsed("[baro]\nbias_walk_m = 0.1\n").filter.baro.fit_bias_walk);
+    const std::pair<const char*, bool MagSettings::*> keys[] = {{"heading_std_deg", &MagSettings::fit_heading_std},
+                                                                {"heading_bias_walk_deg", &MagSettings::fit_bias_walk},
+                                                                {"heading_deviation_deg", &MagSettings::fit_deviation},
+                                                                {"heading_disturbance_deg", &MagSettings::fit_disturbance}};
+    for (const auto& [key, fitted] : keys) {
+        const Config given = parsed("[mag]\n" + std::string(key) + " = 2\n");
+        for (const auto& [other, member] : keys) EXPECT_EQ(given.filter.mag.*member, other != key) << key << ", " << other;
+    }
 }
 
 TEST(OptionTable, DefaultsAreInsideTheirOwnRanges) {

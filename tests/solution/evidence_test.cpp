@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <string>
 
 namespace schuler::solution {
 namespace {
@@ -72,6 +73,32 @@ TEST(Evidence, AFixThatNothingForetoldIsDoubted) {
     EXPECT_FALSE(doubted_after(3.0, 20.0));                        // hardly silent
     EXPECT_FALSE(doubted_after(15.0, 20.0, AidStatus::Withheld));  // by the user, who has the fixes
     EXPECT_EQ(gravity_of("gnss.found_again"), Gravity::Care);
+}
+
+/// The concern that a self-check leads to, all of whose epochs and windows are inside, with this noise in force.
+std::string concern_of_self_check(double noise, bool in_force, double error = 1.0) {
+    ResultBundle b;
+    b.self_check.emplace();
+    b.self_check->length = 15.0;
+    b.self_check->tried = NoiseScale{.gyro = 1.0, .accel = noise};
+    b.self_check->widened = in_force;
+    Coverage& c = b.self_check->coverage;
+    c.epochs = c.horizontal = c.vertical = {.epochs = 200, .inside = 200};
+    c.windows = c.held = {.epochs = 20, .inside = 20};
+    c.end_rms = error;
+    c.sigma_rms = 1.0;
+    for (const Concern& concern : evidence_of(b, {}))
+        if (concern.id.starts_with("self_check") || concern.id == "evidence.self_check") return concern.id;
+    return {};
+}
+
+/// Noise that was increased as far as allowed may still be too small, however few windows show it.
+TEST(Evidence, NoiseAtItsLimitIsAReasonForCare) {
+    EXPECT_EQ(concern_of_self_check(NoiseScale::most, true), "self_check.low");
+    EXPECT_EQ(concern_of_self_check(9.0, true), "evidence.self_check");
+    EXPECT_EQ(concern_of_self_check(NoiseScale::most, false), "evidence.self_check");  // tried, and not needed
+    EXPECT_EQ(concern_of_self_check(1.0, false, 2.5), "self_check.growth");
+    EXPECT_EQ(gravity_of("self_check.low"), Gravity::Care);
 }
 
 }  // namespace

@@ -103,6 +103,7 @@ struct BaroSettings {
     double bias_std = 30.0;   ///< m, initial bias
     double bias_walk = 0.05;  ///< m/sqrt(s)
     double bias_time = 0.0;   ///< s; above 0 the bias is a Gauss-Markov process of bias_std with this time, not a random walk
+    bool fit_std = true, fit_bias_walk = true;  ///< to the innovations, where the noise of the inertial unit is
 };
 
 struct MagSettings {
@@ -114,11 +115,19 @@ struct MagSettings {
     /// rad, constant deviation of the heading by hard iron along each body axis, one sigma; 0: no such states. Some degrees are left by a
     /// calibration, tens are common without one. Turns make it observable, so that little depends on this value.
     double deviation_std = 0.2;
+    /// rad, deviation that changes within seconds (soft iron in turns, currents of motors), one sigma of a Gauss-Markov process; not given: a
+    /// quarter of deviation_std. Without it what hard iron does not explain would be taken for a tilt, which the dip makes visible.
+    double disturbance_std = not_given;
+    bool fit_heading_std = true, fit_bias_walk = true, fit_deviation = true, fit_disturbance = true;  ///< as in BaroSettings
 
+    [[nodiscard]] double used_disturbance() const {
+        constexpr double part = 0.25;
+        return std::isfinite(disturbance_std) ? disturbance_std : part * deviation_std;
+    }
     /// rad; 0 if not given: the heading offset includes it
     [[nodiscard]] double used_declination() const { return std::isfinite(declination) ? declination : 0.0; }
-    /// rad, one sigma: of a single heading before any turn; of the offset alone.
-    [[nodiscard]] double first_std() const { return std::max(bias_std, deviation_std); }
+    /// rad, one sigma: of a single heading before any turn but for white noise; of the offset alone.
+    [[nodiscard]] double first_std() const { return std::hypot(std::max(bias_std, deviation_std), used_disturbance()); }
     [[nodiscard]] double offset_std() const {
         return std::sqrt(std::max(0.0, bias_std * bias_std - deviation_std * deviation_std));
     }

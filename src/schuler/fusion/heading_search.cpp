@@ -105,6 +105,9 @@ HeadingSearch search_heading(const RunData& all, const Settings& settings, const
     // both, beside the noise.
     settings_of_trial.gnss.latency_std = settings.gnss.latency_std;
     settings_of_trial.gnss.velocity_latency_std = settings.gnss.velocity_latency_std;
+    // Velocity errors common to successive fixes, taken for white, would let a few seconds decide for a wrong heading.
+    settings_of_trial.gnss.errors.correlated_velocity = settings.gnss.errors.correlated_velocity;
+    settings_of_trial.gnss.errors.correlated_velocity_time = settings.gnss.errors.correlated_velocity_time;
     // The motion of an antenna about the unit, in waves or in a swinging hand, looks like one of the unit with another heading. A car's
     // antenna moves so only as the car turns, which accelerates it by far more.
     settings_of_trial.estimate_lever_arm =

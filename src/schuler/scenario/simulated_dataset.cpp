@@ -263,6 +263,7 @@ settings::Config described(const settings::ScenarioConfig& s, const Recording& r
     c.filter.mag.deviation_std = mag.hard_iron / level;
     c.filter.mag.heading_std = std::max(0.005, mag.white / level);
     c.filter.mag.bias_walk = std::hypot(1e-4, 2.0 * mag.soft_iron * std::sqrt(2.0 / turn_time));
+    c.filter.mag.disturbance_std = 0.0;  // none but that of soft iron
     // the scenario counts from its start, the command line from the first fix: absolute times have the same meaning for both
     for (const settings::OutageSpan& o : s.outages) c.run.outages.push_back({o.start, o.duration, true});
     return c;

@@ -46,6 +46,7 @@ constexpr std::array reported = {"time.scale",
                                  "mag.heading_std_deg",
                                  "mag.heading_bias_walk_deg",
                                  "mag.heading_deviation_deg",
+                                 "mag.heading_disturbance_deg",
                                  "reference.file"};
 
 bool describes_data(std::string_view key) {

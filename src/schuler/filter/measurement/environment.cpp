@@ -1,5 +1,6 @@
 #include "schuler/filter/measurement/environment.h"
 
+#include "schuler/core/units.h"
 #include "schuler/math/rotation.h"
 
 #include <cmath>
@@ -41,7 +42,9 @@ Measurement magnetic_azimuth(const Estimate& e, const Vector3d& field_b, double 
     const Layout& L = e.layout;
     const Vector3d field_n = e.C_nb * field_b;
     if (field_n.head<2>().squaredNorm() < 0.01 * field_n.squaredNorm()) return m;
-    const double expected = declination - (L.mag_bias >= 0 ? e.parameters(L.mag_bias) : 0.0);
+    double expected = declination;
+    for (const int offset : {L.mag_bias, L.mag_disturbance})
+        if (offset >= 0) expected -= e.parameters(offset);
     const Vector3d iron_n = L.hard_iron >= 0 ? Vector3d(e.C_nb * e.parameters.segment<3>(L.hard_iron)) : Vector3d::Zero();
     const Vector3d total_n = with_iron(expected, iron_n);
     if (total_n.head<2>().squaredNorm() < 0.01) return m;  // the sum is too small to define a direction
@@ -50,10 +53,21 @@ Measurement magnetic_azimuth(const Estimate& e, const Vector3d& field_b, double 
     // The measured field and the estimated hard iron are rotated by -phi: d(field) = -phi x field = [field x] phi.
     const Eigen::RowVector3d by_total = azimuth_gradient(total_n);
     attitude_of(row) = (azimuth_gradient(field_n) * math::skew(field_n) - by_total * math::skew(iron_n)).transpose();
-    if (L.mag_bias >= 0) row.add(L.mag_bias, by_total.dot(Eigen::RowVector3d(-std::sin(expected), std::cos(expected), 0.0)));
+    const double by_offset = by_total.dot(Eigen::RowVector3d(-std::sin(expected), std::cos(expected), 0.0));
+    for (const int offset : {L.mag_bias, L.mag_disturbance})
+        if (offset >= 0) row.add(offset, by_offset);
     if (L.hard_iron >= 0) {
         const Eigen::RowVector3d by_iron = by_total * e.C_nb;
         for (int i = 0; i < 3; ++i) row.add(L.hard_iron + i, -by_iron(i));
+    }
+    return m;
+}
+
+Measurement without_tilt(const Estimate& e, Measurement m) {
+    for (int i = 0; i < m.dof; ++i) {
+        auto level = m.rows[static_cast<std::size_t>(i)].head.segment<2>(Layout::attitude);
+        m.variance(i) += level.dot(e.tilt_covariance * level);
+        level.setZero();
     }
     return m;
 }
@@ -64,8 +78,10 @@ Measurement measurement_of(const Estimate& e, const BaroSample& s, const Setting
 
 Measurement measurement_of(const Estimate& e, const MagSample& s, const Settings& settings) {
     const Eigen::Matrix3d C_bs = math::dcm_from_rpy(settings.imu.mounting_rpy) * settings.imu.C_bs;
-    return magnetic_azimuth(e, C_bs * s.field_b, settings.mag.used_declination(),
-                            settings.mag.heading_std * settings.mag.heading_std);
+    const Measurement azimuth = magnetic_azimuth(e, C_bs * s.field_b, settings.mag.used_declination(),
+                                                 settings.mag.heading_std * settings.mag.heading_std);
+    constexpr double calibrated = 2.0 * units::deg;  // the field is known well enough to show a tilt
+    return settings.mag.deviation_std > calibrated ? without_tilt(e, azimuth) : azimuth;
 }
 
 }  // namespace schuler::filter

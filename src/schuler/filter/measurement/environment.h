@@ -19,10 +19,16 @@ namespace schuler::filter {
 [[nodiscard]] Measurement magnetic_azimuth(const Estimate& estimate, const Eigen::Vector3d& field_b, double declination,
                                            double variance);
 
+/// The same as a measurement of the heading alone: the tilt's error counts as noise and is not corrected. Errors of the field that are
+/// not modelled (soft iron, motors, large deviations) would otherwise be taken for a tilt, by the dip several times as visible here
+/// as it is by the accelerometers.
+[[nodiscard]] Measurement without_tilt(const Estimate& estimate, Measurement magnetic_azimuth);
+
 /// Derivative of the levelled field's azimuth with respect to hard iron in body axes, at the value iron_n (local level).
 [[nodiscard]] Eigen::RowVector3d deviation_by_iron(const Eigen::Matrix3d& C_nb, double azimuth, const Eigen::Vector3d& iron_n);
 
-/// The measurement of a sample with the sigma, and the declination and axes of the magnetometer, of the settings.
+/// The measurement of a sample with the sigma, and the declination and axes of the magnetometer, of the settings. Of the heading alone
+/// unless MagSettings::deviation_std is that of a calibrated magnetometer.
 [[nodiscard]] Measurement measurement_of(const Estimate& estimate, const BaroSample& sample, const Settings& settings);
 [[nodiscard]] Measurement measurement_of(const Estimate& estimate, const MagSample& sample, const Settings& settings);
 

@@ -27,6 +27,7 @@ struct Estimate {
     double rate_variance = 0.0;    ///< rad^2/s^2, InertialFilter::rate_variance of it; 0 without a lever arm
     double uncertain_rate = 0.0;   ///< rad/s: InertialFilter::uncertain_rate of it; likewise
     double heading_unknown = 0.0;  ///< from 0 to 1 (heading_force.h)
+    Eigen::Matrix2d tilt_covariance = Eigen::Matrix2d::Zero();  ///< rad^2, north and east; 0 without a magnetometer
     Eigen::Vector3d a_n =
         Eigen::Vector3d::Zero();    ///< m/s^2, mean acceleration over the most recent interval, without the Coriolis contribution
     estim::StateVector parameters;  ///< nominal values of the states from 9 on

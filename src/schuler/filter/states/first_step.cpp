@@ -111,19 +111,22 @@ public:
         set(own, 1, sigma);
         if (own >= 0 && started_by_it) tie(own, state, std::min(sigma * sigma, variance(state)));
     }
-    /// Likewise of a magnetometer, whose heading has two constant errors: its offset and the body's hard iron.
+    /// Likewise of a magnetometer, whose heading has three lasting errors: its offset, the body's hard iron, and what changes with currents.
     void magnetic_heading(const MagSettings& mag, const Start& start) {
         constexpr int state = Layout::attitude + 2;
         set(L_.mag_bias, 1, mag.offset_std());
         set(L_.hard_iron, 3, mag.deviation_std);
+        set(L_.mag_disturbance, 1, mag.used_disturbance());
         if (!start.heading_of_mag || L_.mag_bias < 0) return;
         const Eigen::RowVector3d by_iron =
             deviation_by_iron(start.nav.q_nb.toRotationMatrix(), mag.used_declination(), Vector3d::Zero());
         const double offset = mag.offset_std() * mag.offset_std();
         const double iron = L_.hard_iron < 0 ? 0.0 : mag.deviation_std * mag.deviation_std;
-        const double both = offset + iron * by_iron.squaredNorm();
-        const double share = both > 0.0 ? std::min(1.0, variance(state) / both) : 0.0;
+        const double disturbance = L_.mag_disturbance < 0 ? 0.0 : std::pow(mag.used_disturbance(), 2);
+        const double all = offset + iron * by_iron.squaredNorm() + disturbance;
+        const double share = all > 0.0 ? std::min(1.0, variance(state) / all) : 0.0;
         tie(L_.mag_bias, state, share * offset);
+        if (L_.mag_disturbance >= 0) tie(L_.mag_disturbance, state, share * disturbance);
         for (int i = 0; L_.hard_iron >= 0 && i < 3; ++i) tie(L_.hard_iron + i, state, -share * iron * by_iron(i));
     }
     /// A first barometric height that contradicts the stated bias takes precedence; the bias then has the error of the height used, and

@@ -42,6 +42,7 @@ public:
     int baro_bias = -1;              ///< 1, m
     int mag_bias = -1;               ///< 1, rad, heading offset of the magnetometer
     int hard_iron = -1;              ///< 3, body, Earth's horizontal field = 1: x and y are compass deviation B and C
+    int mag_disturbance = -1;        ///< 1, rad, deviation of the magnetic heading that changes within seconds
     int gnss_position = -1;          ///< 3, m, correlated GNSS position error, north-east-down
     int gnss_velocity = -1;          ///< 3, m/s, correlated GNSS velocity error, north-east-down
     int gnss_latency = -1;           ///< 1, s, delay of the fixes' positions beyond the assumed latency

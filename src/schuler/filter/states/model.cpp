@@ -51,6 +51,7 @@ Layout layout_with(const Settings& settings, const Sensors& sensors) {
     if (sensors.mag && settings.mag.use) {
         L.mag_bias = L.add("mag_heading_offset", "rad", 1);
         if (settings.mag.deviation_std > 0.0) L.hard_iron = L.add("mag_hard_iron", "1", 3);
+        if (settings.mag.used_disturbance() > 0.0) L.mag_disturbance = L.add("mag_disturbance", "rad", 1);
     }
     if (sensors.odometer && settings.odometer.use) L.odometer_scale = L.add("odometer_scale", "1", 1);
     if (sensors.heading && settings.heading.use && settings.heading.offset_std > 0.0)
@@ -151,6 +152,9 @@ InertialModel make_model(const Settings& settings, const Layout& layout) {
         model.set_process(layout.heading_offset, 1, StateProcess::markov(settings.heading.offset_std, leeway_time));
     }
     model.set_process(layout.mag_bias, 1, {0.0, settings.mag.bias_walk * settings.mag.bias_walk});
+    constexpr double disturbance_time = 10.0;  // s, in which a vehicle turns or changes its power
+    if (layout.mag_disturbance >= 0)
+        model.set_process(layout.mag_disturbance, 1, StateProcess::markov(settings.mag.used_disturbance(), disturbance_time));
     // Loggers and receivers do not keep it to the millisecond: the estimate is forgotten, by some hundredths of a second per minute.
     const auto latency = [](double sigma) {
         constexpr double wander = 0.02, time = 60.0;  // s

@@ -62,7 +62,7 @@ std::uint64_t NavigatorEngine::fingerprint() const {
                               static_cast<double>(s.integrity.slow_count), s.integrity.readmission_time,
                               s.ranging.protection.missed_detection, s.ranging.protection.false_alarm, s.ranging.protection.fault_free,
                               s.ranging.receiver_acceleration, s.imu.mounting_std, s.imu.found_mounting_std, s.imu.gap_factor,
-                              std::isfinite(s.mag.declination) ? s.mag.declination : 10.0, s.mag.bias_std, s.mag.deviation_std, s.baro.bias_std, s.odometer.scale_std,
+                              std::isfinite(s.mag.declination) ? s.mag.declination : 10.0, s.mag.bias_std, s.mag.deviation_std, s.mag.used_disturbance(), s.baro.bias_std, s.odometer.scale_std,
                               s.heading.offset_std, s.gauges.level_std, s.log.scale_std, s.log.misalignment_std,
                               s.earth.ellipsoid.a, s.earth.ellipsoid.f, s.earth.ellipsoid.gm, s.earth.ellipsoid.w_ie,
                               r.gnss, r.baro, r.mag, r.odometer, r.heading, r.gauges, r.log, r.ranges, s.gauges.std, s.log.std};

@@ -266,32 +266,49 @@ std::vector<LogKnob> noise_knobs(const Settings& before, const Recording& record
              [g](Settings& s, double x) { s.gnss.default_std_velocity.z() = std::exp(x) * g.default_std_velocity.z(); }, -2.0,
              2.0});
     }
-    // A receiver's own filter smooths its velocities: their errors last for seconds, common to successive fixes.
-    if (g.estimate_std && before.imu.estimate_noise && missing.velocity && has_velocity && g.errors.correlated_velocity.isZero())
+    // A receiver's own filter smooths its velocities: their errors last for seconds, common to successive fixes. A stated sigma does not
+    // tell; what it contains of multipath lasts longer.
+    if (g.estimate_std && before.imu.estimate_noise && has_velocity && g.errors.correlated_velocity.isZero()) {
+        const double time = missing.velocity ? 3.0 : 10.0;  // s
+        const double least = std::log(missing.velocity ? 0.02 : 0.005), most = std::log(missing.velocity ? 1.0 : 0.3);
         knobs.push_back({"gnss.correlated_velocity_m_s",
-                         [](Settings& s, double x) {
+                         [time](Settings& s, double x) {
                              s.gnss.errors.correlated_velocity = std::exp(x) * Vector3d(1.0, 1.0, 1.5);
-                             s.gnss.errors.correlated_velocity_time = 3.0;
+                             s.gnss.errors.correlated_velocity_time = time;
                          },
-                         std::log(0.02), std::log(1.0), false, std::log(0.02), std::log(1.0)});
+                         least, most, false, least, most});
+    }
     if (before.imu.estimate_noise && before.baro.use && !recording.baro.empty()) {
         const BaroSettings b = before.baro;
-        knobs.push_back({"baro.white_m", [b](Settings& s, double x) { s.baro.std = std::exp(x) * b.std; }, -3.0, 1.5, true});
-        knobs.push_back(
-            {"baro.bias_walk_m", [b](Settings& s, double x) { s.baro.bias_walk = std::exp(x) * b.bias_walk; }, -2.0, 3.0, true});
+        if (b.fit_std)
+            knobs.push_back({"baro.white_m", [b](Settings& s, double x) { s.baro.std = std::exp(x) * b.std; }, -3.0, 1.5, true});
+        if (b.fit_bias_walk)
+            knobs.push_back({"baro.bias_walk_m", [b](Settings& s, double x) { s.baro.bias_walk = std::exp(x) * b.bias_walk; },
+                             -2.0, 3.0, true});
     }
     if (before.imu.estimate_noise && before.mag.use && !recording.mag.empty()) {
         const MagSettings m = before.mag;
-        knobs.push_back({"mag.heading_std_deg", [m](Settings& s, double x) { s.mag.heading_std = std::exp(x) * m.heading_std; },
-                         -2.0, 2.0, true});
-        knobs.push_back({"mag.heading_bias_walk_deg", [m](Settings& s, double x) { s.mag.bias_walk = std::exp(x) * m.bias_walk; },
-                         -3.0, 3.0, true});
+        if (m.fit_heading_std)
+            knobs.push_back({"mag.heading_std_deg",
+                             [m](Settings& s, double x) { s.mag.heading_std = std::exp(x) * m.heading_std; }, -2.0, 2.0, true});
+        if (m.fit_bias_walk)
+            knobs.push_back({"mag.heading_bias_walk_deg",
+                             [m](Settings& s, double x) { s.mag.bias_walk = std::exp(x) * m.bias_walk; }, -3.0, 3.0, true});
         // One log draws the deviations of a body only once: they tell little of their sigma.
         constexpr double half = -0.7, most = 1.0;
-        if (m.deviation_std > 0.0)
+        // A disturbance that is not given is found on its own, not as the quarter of what is tried for the deviation.
+        const double disturbance = m.used_disturbance();
+        if (m.deviation_std > 0.0 && m.fit_deviation)
             knobs.push_back({"mag.heading_deviation_deg",
-                             [m](Settings& s, double x) { s.mag.deviation_std = std::exp(x) * m.deviation_std; }, half, most,
-                             true, half, most});
+                             [m, disturbance](Settings& s, double x) {
+                                 s.mag.deviation_std = std::exp(x) * m.deviation_std;
+                                 if (!std::isfinite(s.mag.disturbance_std)) s.mag.disturbance_std = disturbance;
+                             },
+                             half, most, true, half, most});
+        if (disturbance > 0.0 && m.fit_disturbance)
+            knobs.push_back({"mag.heading_disturbance_deg",
+                             [disturbance](Settings& s, double x) { s.mag.disturbance_std = std::exp(x) * disturbance; }, -1.4,
+                             1.4, true, -1.4, 1.6, 0.0, 1.0});
     }
     return knobs;
 }
@@ -326,7 +343,7 @@ void keep_physical(Settings& settings, const Settings& before, const Recording& 
                                                .cwiseMax(least_slow * upright(Vector3d::Zero()));
     }
     if (before.gnss.estimate_std && missing.velocity) g.default_std_velocity = g.default_std_velocity.cwiseMax(least_velocity);
-    if (before.imu.estimate_noise && before.mag.use)
+    if (before.imu.estimate_noise && before.mag.use && before.mag.fit_heading_std)
         settings.mag.heading_std = std::max(settings.mag.heading_std, std::min(least_heading, before.mag.heading_std));
 }
 
@@ -434,9 +451,9 @@ void tune(RunData& data, Settings& settings, const Start& start, const FixScreen
         for (std::optional<double>* share : {&settings.imu.gyro_vibration, &settings.imu.accel_vibration})
             if (*share) *share = as_written(**share, 1.0);
         if (settings.gnss.jitter) settings.gnss.jitter = as_written(*settings.gnss.jitter, 1.0);
-        settings.mag.heading_std = as_written(settings.mag.heading_std, units::deg);
-        settings.mag.bias_walk = as_written(settings.mag.bias_walk, units::deg);
-        settings.mag.deviation_std = as_written(settings.mag.deviation_std, units::deg);
+        for (double MagSettings::*sigma :
+             {&MagSettings::heading_std, &MagSettings::bias_walk, &MagSettings::deviation_std, &MagSettings::disturbance_std})
+            settings.mag.*sigma = as_written(settings.mag.*sigma, units::deg);
     }
     findings.std_position_scale = settings.gnss.default_std_position.cwiseQuotient(before.gnss.default_std_position);
     findings.std_velocity_scale = settings.gnss.default_std_velocity.cwiseQuotient(before.gnss.default_std_velocity);

@@ -55,6 +55,14 @@ Config config_from(const SettingList& settings) {
         // a grade alone is only an estimate of the noise
         config.filter.imu.estimate_noise = !given("imu.gyro_noise_deg_sqrt_h") && !given("imu.accel_noise_m_s_sqrt_h");
     }
+    fusion::BaroSettings& baro = config.filter.baro;
+    baro.fit_std = !given("baro.white_m");
+    baro.fit_bias_walk = !given("baro.bias_walk_m");
+    fusion::MagSettings& mag = config.filter.mag;
+    mag.fit_heading_std = !given("mag.heading_std_deg");
+    mag.fit_bias_walk = !given("mag.heading_bias_walk_deg");
+    mag.fit_deviation = !given("mag.heading_deviation_deg");
+    mag.fit_disturbance = !given("mag.heading_disturbance_deg");
     const sensor::ImuErrorModel& unit = config.filter.imu.errors;
     config.filter.imu.noiseless = unit.gyro_noise == 0.0 && unit.accel_noise == 0.0;
     if (config.preset == "complex22") {

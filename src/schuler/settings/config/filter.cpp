@@ -53,6 +53,11 @@ void add_environment(OptionTable<Config>& table) {
             number<Config>("mag.heading_deviation_deg", units::deg, 0, 90,
                            "constant deviation of the magnetic heading by the body's hard iron, one sigma of each axis; 0 = none",
                            mag(&MagSettings::deviation_std)))
+        .add(number<Config>(
+            "mag.heading_disturbance_deg", units::deg, 0, 90,
+            "deviation of the magnetic heading that changes within seconds (soft iron in turns, currents), one sigma; "
+            "0 = none; default: a quarter of mag.heading_deviation_deg",
+            mag(&MagSettings::disturbance_std)))
         .add(flag<Config>("odometer.use", "use the odometer's speed", [](auto& c) -> auto& { return c.filter.odometer.use; }))
         .add(number<Config>("odometer.std_m_s", 1.0, 1e-4, 100, "white noise of the speed, where the log gives none",
                             [](auto& c) -> auto& { return c.filter.odometer.std; }))

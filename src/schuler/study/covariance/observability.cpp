@@ -136,6 +136,7 @@ report::Outcome analyze_path_observability(const ObservabilityRequest& r) {
     if (!p.scheme.empty())
         out.warnings.push_back(
             fmt::format("the analysis is that of the {} scheme, a Kalman filter with the same measurements", p.scheme));
+    for (const std::string& key : p.set_aside) out.warnings.push_back(fmt::format("{} has no effect on what is observable", key));
     const report::ResultTable states = states_table(p), combinations = combinations_table(p);
     out.tables = report::table_text(states) + "\n" + report::table_text(combinations);
     report::Json document{{"name", p.name}, {"duration_s", p.duration_s}, {"refused", p.refused}};

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <utility>
 
 namespace schuler::study {
 namespace {
@@ -148,8 +149,13 @@ PathObservability path_observability(const settings::ScenarioConfig& scenario, c
     if (scheme != nullptr) errorless_run = std::make_unique<ErrorlessRun>(scenario, with_scheme(over, scheme), rate);
     ErrorlessRun& errorless = *errorless_run;
     fusion::Settings& settings = errorless.settings;
+    // Excluded sources, and slow errors that are considered instead of estimated, are no more observable than without.
+    std::vector<std::string> set_aside;
+    for (const auto& [flag, key] : {std::pair<bool*, const char*>{&settings.integrity.use, "filter.integrity.use"},
+                                    {&settings.ranging.protection.use, "filter.protection.use"},
+                                    {&settings.gnss.consider_errors, "gnss.consider_errors"}})
+        if (std::exchange(*flag, false)) set_aside.emplace_back(key);
     settings.mechanization = fusion::Mechanization::Geographic;  // the errors are the same
-    settings.integrity.use = settings.ranging.protection.use = settings.gnss.consider_errors = false;
     errorless.prepare();
     const filter::InertialModel model = errorless.model();
     FilterRun run = filter::first_step<Frame>(model, errorless.data, settings, errorless.start);
@@ -162,6 +168,7 @@ PathObservability path_observability(const settings::ScenarioConfig& scenario, c
     PathObservability out;
     out.name = scenario.name;
     if (scheme != nullptr) out.scheme = scheme;
+    out.set_aside = std::move(set_aside);
     out.names = names_of(model.layout);
     out.refused = follower.refused;
     out.duration_s = (follower.history.back().time - errorless.start.nav.time).seconds();

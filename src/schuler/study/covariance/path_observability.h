@@ -44,7 +44,8 @@ struct PathObservability {
     std::vector<Observed> states;        ///< each alone
     std::vector<Observed> combinations;  ///< uncorrelated ones, the best observed first
     double duration_s = 0.0;
-    std::size_t refused = 0;  ///< measurements: the rate of the inertial unit is too low for the path
+    std::vector<std::string> set_aside;  ///< keys that are in force and do not change what is observable
+    std::size_t refused = 0;             ///< measurements: the rate of the inertial unit is too low for the path
 };
 
 /// Flies the scenario without errors through the filter that assumes them, and follows what each measurement tells about the initial
