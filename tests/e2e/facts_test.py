@@ -153,6 +153,33 @@ def facts_heading(program, source):
         check(not any("restarted" in text for text in summary["warnings"]), f"{given}: {summary['warnings']}")
 
 
+SLOW_VELOCITIES = """
+name = "slow"
+seed = 3
+duration_s = 500
+reference_rate_hz = 10
+[vehicle]
+kind = "car"
+[trajectory]
+type = "waypoints"
+start = { lat_deg = 48, lon_deg = 11, height_m = 500 }
+standstill_s = 15
+corner_radius_m = 8
+waypoints = [{ north_m = 600, east_m = 0, speed_m_s = 12 }, { north_m = 600, east_m = 600, speed_m_s = 12 }, { north_m = 1200, east_m = 600, speed_m_s = 12 },
+             { north_m = 1200, east_m = 0, speed_m_s = 10 }, { north_m = 1200, east_m = -800, speed_m_s = 12 }, { north_m = 200, east_m = -800, speed_m_s = 12 },
+             { north_m = 200, east_m = -2200, speed_m_s = 12 }]
+[imu]
+rate_hz = 100
+grade = "mems"
+[gnss]
+rate_hz = 5
+white_m = [0.8, 0.8, 1.3]
+white_velocity_m_s = [0.03, 0.03, 0.05]
+correlated_m = 0.8
+correlated_velocity_m_s = 0.03
+correlated_velocity_time_s = 20
+"""
+
 FIGURES_OF_EIGHT = """
 name = "eight"
 seed = 1
@@ -189,6 +216,29 @@ def facts_vertical(program, source):
     summary = summary_of(program, "eight", "-o", "out", "-q")
     check(summary["gnss"]["rejected"] < 40, f"{summary['gnss']} good fixes")
     check(summary["verdict"]["word"] == "trustworthy", f"{summary['verdict']}")
+
+
+def facts_velocity(program, source):
+    """Velocity errors of 3 cm/s that last for 20 s, within the sigma that the log states: found, and positions smoothed with them inside three sigma."""
+    folder = Path(program.folder)
+    (folder / "slow.toml").write_text(SLOW_VELOCITIES)
+    program("simulate", "slow.toml", "-o", "simulated")
+    drive = folder / "drive"
+    drive.mkdir()
+    for name in ("imu.csv", "gnss.csv"):
+        shutil.copy(folder / "simulated" / name, drive / name)
+    reference = '[reference]\nfile = "reference.csv"\n'
+    shutil.copy(folder / "simulated/reference.csv", drive / "reference.csv")
+    (drive / "dataset.toml").write_text('[vehicle]\nkind = "car"\n[imu]\nfile = "imu.csv"\naxes = "frd"\n[gnss]\nfile = "gnss.csv"\n' + reference)
+    summary = summary_of(program, "drive", "-o", "out", "--smooth", "--self-check", "off", "--outputs", "summary,solution")
+    with open(folder / "out/solution.csv", encoding="utf-8") as solution, open(drive / "reference.csv", encoding="utf-8") as truth:
+        true = {round(float(row["time_s"]), 1): float(row["lat_deg"]) for row in csv.DictReader(truth)}
+        rows = [row for row in csv.DictReader(solution) if round(float(row["time_s"]), 1) in true]
+    north = [math.radians(float(row["lat_deg"]) - true[round(float(row["time_s"]), 1)]) * 6.366e6 / float(row["std_n_m"]) for row in rows]
+    outside = sum(abs(x) > 3.0 for x in north) / len(north)
+    check(len(north) > 400 and outside < 0.02, f"{100 * outside:.1f} % of {len(north)} epochs are beyond three sigma north")
+    slow = facts_of(summary)["gnss.correlated_velocity_m_s"]
+    check(slow["how"] == "found" and 0.015 < slow["value"][0] < 0.06, f"{slow}")
 
 
 def facts_real(program, source):
@@ -329,6 +379,6 @@ def facts_raw(program, source):
 
 if __name__ == "__main__":
     main({"facts_partial": facts_partial, "facts_repeat": facts_repeat, "facts_curves": facts_curves, "facts_real": facts_real, "facts_heading": facts_heading,
-          "facts_vertical": facts_vertical,
+          "facts_vertical": facts_vertical, "facts_velocity": facts_velocity,
           "facts_checked": facts_checked,
           "facts_raw": facts_raw})

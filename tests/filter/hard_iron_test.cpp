@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <numbers>
 #include <string_view>
+#include <utility>
 #include <variant>
 
 namespace schuler::fusion {
@@ -157,6 +158,8 @@ TEST(HardIron, IsNotTakenForATilt) {
     const filter::Measurement whole = measurement_of(e, MagSample{{}, e.C_nb.transpose() * earth_field()}, s);
     EXPECT_NEAR(whole.rows[0].head.segment<2>(filter::Layout::attitude).norm(), dip, 1e-12);
     EXPECT_EQ(whole.variance(0), white * white);
+    s.mag.disturbance_std = 0.1;  // soft iron or motors were not
+    EXPECT_EQ(measurement_of(e, MagSample{{}, e.C_nb.transpose() * earth_field()}, s).variance(0), m.variance(0));
 }
 
 // Soft iron has no states of its own. It is not constant while the body turns, nor another in each sample.
@@ -181,6 +184,27 @@ TEST(HardIron, OtherDistortionsAreInTheSigmas) {
     const Eigen::Vector2d with = beyond(0.1), without = beyond(0.0);
     EXPECT_LT(with.maxCoeff(), 0.01) << with.transpose();
     EXPECT_GT(without.y(), 0.05) << "headings without the state";
+}
+
+// What is given is used: trials of the noise fit the numbers of the magnetometer that are not.
+TEST(HardIron, NumbersThatAreGivenAreNotFitted) {
+    Circling c = circling(1, 0.15);
+    c.settings.imu.estimate_noise = true;
+    const auto fitted = [&] {
+        const Result r = fuse(c.recording, c.settings);
+        int count = 0;
+        for (const TunedSetting& t : r.findings.tuned) count += std::string_view(t.key).starts_with("mag.") ? 1 : 0;
+        return std::pair(count, r.findings.in_force->mag);
+    };
+    EXPECT_EQ(fitted().first, 4);
+    filter::MagSettings& mag = c.settings.mag;
+    mag.heading_std = 0.06;
+    mag.fit_heading_std = mag.fit_bias_walk = mag.fit_deviation = mag.fit_disturbance = false;
+    const auto [count, used] = fitted();
+    EXPECT_EQ(count, 0);
+    EXPECT_NEAR(used.heading_std, mag.heading_std, 1e-6);
+    EXPECT_NEAR(used.deviation_std, mag.deviation_std, 1e-6);
+    EXPECT_NEAR(used.disturbance_std, mag.disturbance_std, 1e-6);
 }
 
 /// A heading set by the magnetometer has its errors: its next sample tells nothing but noise until the body turns.

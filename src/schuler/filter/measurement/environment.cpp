@@ -3,6 +3,7 @@
 #include "schuler/core/units.h"
 #include "schuler/math/rotation.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace schuler::filter {
@@ -81,7 +82,8 @@ Measurement measurement_of(const Estimate& e, const MagSample& s, const Settings
     const Measurement azimuth = magnetic_azimuth(e, C_bs * s.field_b, settings.mag.used_declination(),
                                                  settings.mag.heading_std * settings.mag.heading_std);
     constexpr double calibrated = 2.0 * units::deg;  // the field is known well enough to show a tilt
-    return settings.mag.deviation_std > calibrated ? without_tilt(e, azimuth) : azimuth;
+    return std::max(settings.mag.deviation_std, settings.mag.used_disturbance()) > calibrated ? without_tilt(e, azimuth)
+                                                                                              : azimuth;
 }
 
 }  // namespace schuler::filter

@@ -28,7 +28,7 @@ namespace schuler::filter {
 [[nodiscard]] Eigen::RowVector3d deviation_by_iron(const Eigen::Matrix3d& C_nb, double azimuth, const Eigen::Vector3d& iron_n);
 
 /// The measurement of a sample with the sigma, and the declination and axes of the magnetometer, of the settings. Of the heading alone
-/// unless MagSettings::deviation_std is that of a calibrated magnetometer.
+/// unless the sigmas of deviation and disturbance are those of a calibrated magnetometer, at most 2 degrees.
 [[nodiscard]] Measurement measurement_of(const Estimate& estimate, const BaroSample& sample, const Settings& settings);
 [[nodiscard]] Measurement measurement_of(const Estimate& estimate, const MagSample& sample, const Settings& settings);
 

@@ -464,8 +464,8 @@ Estimate InertialFilter<Frame>::estimate(const InertialModel& model) const {
     e.heading_unknown = heading_unknown(heading_variance(model));
     Matrix3d to_level = Matrix3d::Identity();
     if constexpr (!Frame::errors_are_geographic) to_level = earth::C_en(e.nav.position.lat, e.nav.position.lon).transpose();
-    const Matrix3d attitude = covariance_of(Layout::attitude, Layout::attitude);
-    if (model.layout.mag_bias >= 0) e.tilt_covariance = (to_level * attitude * to_level.transpose()).topLeftCorner<2, 2>();
+    if (const int a = Layout::attitude; model.layout.mag_bias >= 0)
+        e.tilt_covariance = (to_level * covariance_of(a, a) * to_level.transpose()).template topLeftCorner<2, 2>();
     e.a_n = earth::terms_at(model.earth, e.nav.position, e.nav.v_eb_n).g_n + to_level * recent_force.mean();
     if (!fed_back) e.w_ib_b += error.segment<3>(Layout::gyro_bias);
     e.parameters = estimated_parameters();
