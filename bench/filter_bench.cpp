@@ -39,7 +39,7 @@ void forward(benchmark::State& state, bool scale_factors, fusion::Mechanization 
     settings.initial.velocity_n = truth.velocity_n;
     settings.initial.rpy = truth.rpy;
     settings.initial.std_rpy = Eigen::Vector3d::Constant(0.01);
-    settings.aids.zero_velocity = false;
+    settings.constraints.zero_velocity = false;
     double seconds = 0.0;
     for (auto _ : state) {
         WarningLog unheard;

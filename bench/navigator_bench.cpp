@@ -48,7 +48,7 @@ const Drive& drive() {
         Drive d{std::move(simulated.recording), {}, 0.005, {}};
         d.settings.imu.kind = simulated.imu_kind;
         d.settings.imu.errors = sensor::imu_grade("mems");
-        d.settings.aids.zero_velocity = false;
+        d.settings.constraints.zero_velocity = false;
         d.settings.gnss.estimate_std = false;
         const ReferenceSample& truth = d.recording.reference.front();
         d.start.nav = {truth.time, truth.position, truth.velocity_n, math::quaternion_from_rpy(truth.rpy)};

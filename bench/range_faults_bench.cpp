@@ -66,7 +66,7 @@ Flight flight(std::uint64_t seed, std::vector<sim::RangeFault> faults, bool watc
     t.imu.kind = ImuKind::Increments;
     t.imu.errors = imu;
     t.gnss.lever_arm_b = r.lever_arm_b;
-    t.aids.zero_velocity = false;
+    t.constraints.zero_velocity = false;
     t.ranging.corrections.troposphere = gnss::TroposphereModel::None;
     t.ranging.corrections.ionosphere = gnss::IonosphereModel::None;
     t.ranging.protection.use = watch;

@@ -50,7 +50,7 @@ void forward(benchmark::State& state, fusion::Mechanization mechanization) {
     settings.ranging.corrections.troposphere = gnss::TroposphereModel::None;
     settings.ranging.corrections.ionosphere = gnss::IonosphereModel::None;
     settings.ranging.corrections.elevation_mask = -2.0;
-    settings.aids.zero_velocity = false;
+    settings.constraints.zero_velocity = false;
     const ReferenceSample& truth = data.reference.front();
     settings.initial.position = truth.position;
     settings.initial.velocity_n = truth.velocity_n;

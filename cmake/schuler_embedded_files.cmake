@@ -23,3 +23,5 @@ schuler_embed(report schuler::report::detail schuler/report/detail/page_assets.h
 file(GLOB paper_files CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/data/papers.toml" "${PROJECT_SOURCE_DIR}/examples/paper-*.toml"
      "${PROJECT_SOURCE_DIR}/examples/presets.toml" "${PROJECT_SOURCE_DIR}/examples/gravity-*.toml")
 schuler_embed(study schuler::study schuler/study/papers/printed.h ${paper_files})
+# What `schuler demo` runs.
+schuler_embed(settings schuler::settings::detail schuler/settings/scenario/built_in.h "${PROJECT_SOURCE_DIR}/examples/demo.toml")

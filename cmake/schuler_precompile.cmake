@@ -4,7 +4,7 @@ set(SCHULER_COMMON_HEADERS <Eigen/Core> <Eigen/Geometry> <Eigen/LU> <Eigen/Chole
     <complex> <cstdint> <filesystem> <functional> <limits> <map> <memory> <numbers> <optional> <set> <span> <sstream> <string>
     <string_view> <utility> <variant> <vector>)
 set(core schuler/core)
-set(SCHULER_CORE_HEADERS ${SCHULER_COMMON_HEADERS} "<${core}/aid_samples.h>" "<${core}/error.h>" "<${core}/fact.h>" "<${core}/log.h>"
+set(SCHULER_CORE_HEADERS ${SCHULER_COMMON_HEADERS} "<${core}/instrument_logs.h>" "<${core}/error.h>" "<${core}/fact.h>" "<${core}/log.h>"
     "<${core}/nav_state.h>" "<${core}/samples.h>" "<${core}/units.h>")
 
 set(SCHULER_PRECOMPILED_core ${SCHULER_CORE_HEADERS})

@@ -57,7 +57,7 @@ Json accepted_by(const OptionSpec* input) {
     const FileRole role = input == nullptr ? FileRole::Any : input->line.role;
     Json out = Json::array();
     if (role == FileRole::Scenario || role == FileRole::DatasetOrScenario) out.push_back("scenario");
-    if (role == FileRole::Dataset || role == FileRole::DatasetOrScenario) out.push_back("dataset");
+    if (role == FileRole::DatasetOrScenario) out.push_back("dataset");
     if (role == FileRole::Recording) out.push_back("recording");
     return out;
 }

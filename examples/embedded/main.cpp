@@ -86,7 +86,7 @@ filter::NavigatorSettings settings(Kind kind) {
     s.filter.vehicle = filter::VehicleKind::Car;
     s.filter.imu.errors = sensor::imu_grade("mems");
     s.filter.scale_factors = true;
-    s.filter.aids.nonholonomic = true;
+    s.filter.constraints.nonholonomic = true;
     s.filter.mechanization = kind == Kind::EarthFixed ? filter::Mechanization::Ecef : filter::Mechanization::Geographic;
     s.filter.gnss.estimate_std = false;
     s.imu_interval = embedded::Drive::interval;

@@ -12,7 +12,7 @@ SETTINGS = {option["key"]: option for option in _schuler.setting_options()}
 _GENERAL = {
     "settings": "dict: settings of dataset.toml, {\"imu.grade\": \"mems\"} or {\"imu\": {\"grade\": \"mems\"}}, over all others",
     "progress": "called with the share done, from 0 to 1",
-    "threads": "int: at most so many; results do not depend on it. 0: one for each processor core",
+    "threads": "int: maximum number of threads; results do not depend on it. 0: one for each processor core",
     "force": "bool: overwrite files at the place of the results even if another program wrote them",
 }
 

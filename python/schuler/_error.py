@@ -2,7 +2,7 @@
 
 
 class Error(Exception):
-    """What is wrong, where, and how to mend it. `str(error)` is one line with all of it.
+    """What is wrong, where, and how to correct it. `str(error)` is one line with all of it.
 
     kind    "input" (the input or a setting cannot be used) or "computation" (it failed although its input was well formed)
     what    what is wrong
@@ -10,7 +10,7 @@ class Error(Exception):
     line    line in it, from 1, or None
     column  column of a table, from 1, or None
     key     key of a setting, name of a column, an option or an argument, or None
-    hint    how to mend it, or None
+    hint    how to correct it, or None
     """
 
     kind = "input"

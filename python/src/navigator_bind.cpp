@@ -52,7 +52,7 @@ py::list events(const std::vector<NavigatorEvent>& list) {
             item["source"] = e.source;
             item["status"] = e.status;
         }
-        if (e.kind == Aid || e.kind == Alert) item["aid"] = std::string(filter::info_of(e.aid).key);
+        if (e.kind == Measurement || e.kind == Alert) item["aid"] = std::string(filter::info_of(e.measurement).key);
         if (e.kind == Hole) item["seconds"] = e.seconds;
         out.append(item);
     }
@@ -128,7 +128,7 @@ void bind_words(py::module_& m) {
         .value("REFUSED", Kind::Refused)
         .value("HOLE", Kind::Hole)
         .value("HANG", Kind::Hang)
-        .value("AID", Kind::Aid)
+        .value("AID", Kind::Measurement)
         .value("ALERT", Kind::Alert)
         .value("RECONSIDERED", Kind::Reconsidered)
         .value("DIVERGED", Kind::Diverged)

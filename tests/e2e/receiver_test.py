@@ -156,7 +156,7 @@ def jamming(program, source):
     start, end = example.index("[[compare.window]]\nname = \"jammer"), example.index("[trajectory]")
     short = example[:start] + example[end:]
     short = short.replace("duration_s = 700", "duration_s = 450")
-    short = short.replace('["gnss", "separate", "loose", "tight", "medium", "deep"]', '["loose", "tight", "medium", "deep"]')
+    short = short.replace('["gnss", "separate", "loose", "tight", "intermediate", "deep"]', '["loose", "tight", "intermediate", "deep"]')
     scenario = Path(program.folder) / "jamming.toml"
     scenario.write_text(short)
     rows = json.loads(program("run", scenario, "-o", "jamming", "--json").stdout)["schemes"]
@@ -166,12 +166,12 @@ def jamming(program, source):
     check(22.0 < alone["held_db_hz"] < 27.0, f"by itself it holds to {alone['held_db_hz']} dB-Hz")
     check(deep["held_db_hz"] < alone["held_db_hz"] - 6.0, f"deep holds to {deep['held_db_hz']} dB-Hz")
     check(deep["horizontal_max_m"] < 20.0 and deep["solution_share"] == 1.0, f"deep while it fades: {deep}")
-    check(window["medium"]["45 to 15 dB-Hz"]["held_db_hz"] < alone["held_db_hz"] - 6.0, "aided code loops hold as long")
+    check(window["intermediate"]["45 to 15 dB-Hz"]["held_db_hz"] < alone["held_db_hz"] - 6.0, "aided code loops hold as long")
     back = {scheme: w["outage of 30 s"]["back_s"] for scheme, w in window.items()}
-    check(back["deep"] <= 1.0 < back["medium"] < back["tight"] < 5.0, f"after the outage: {back}")
+    check(back["deep"] <= 1.0 < back["intermediate"] < back["tight"] < 5.0, f"after the outage: {back}")
     check(window["deep"]["20 g"]["horizontal_max_m"] < 3.0, f"20 g: {window['deep']['20 g']}")
     aided = Path(program.folder) / "aided.toml"
-    aided.write_text(short.replace("rate_hz = 5\n", "rate_hz = 5\naided = true\n").replace(', "medium", "deep"', ""))
+    aided.write_text(short.replace("rate_hz = 5\n", "rate_hz = 5\naided = true\n").replace(', "intermediate", "deep"', ""))
     for row in json.loads(program("run", aided, "-o", "aided", "--json").stdout)["schemes"]:
         fading = next(w for w in row["windows"] if w["name"] == "45 to 15 dB-Hz")
         before = window[row["scheme"]]["45 to 15 dB-Hz"]

@@ -76,7 +76,7 @@ long allocations_of_a_run() {
     for (std::size_t i = 0; i < recording.imu.size(); i += 10)
         recording.mag.push_back({recording.imu[i].time, Vector3d(2e-5, 0.0, 4e-5)});
     Settings f = settings_of(scenario);
-    f.scale_factors = f.estimate_lever_arm = f.aids.nonholonomic = true;
+    f.scale_factors = f.estimate_lever_arm = f.constraints.nonholonomic = true;
     f.gnss.errors.correlated_position.setOnes();
     f.gnss.errors.correlated_distance = 1e4;
     f.gnss.latency = 0.003;  // epochs fall inside increments, which are split
@@ -103,7 +103,7 @@ long allocations_of_a_run() {
     FilterRun<Frame> run = first_step<Frame>(model, data, f, start);
     PassObserver<Frame> nobody;
     const long before = allocations.load();
-    pass.advance(run, 3999, nobody);  // stands, then drives: every kind of aid has its turn
+    pass.advance(run, 3999, nobody);  // stands, then drives: every kind of measurement has its turn
     const long made = allocations.load() - before;
     EXPECT_EQ(run.increment, 4000u);
     EXPECT_GT(run.event, 400u);
@@ -161,7 +161,7 @@ TEST(Allocation, NoneInAnyPresetFedSampleBySample) {
     const Preset presets[] = {
         {"loose", [](Settings&) {}},
         {"ins15", [](Settings& s) { s.scale_factors = false; }},
-        {"ins21", [](Settings& s) { s.aids.nonholonomic = false; }},
+        {"ins21", [](Settings& s) { s.constraints.nonholonomic = false; }},
         {"aggressive", [](Settings& s) { s.loose_kind = LooseKind::Aggressive; }},
         {"separate", [](Settings& s) { s.coupling = Coupling::Separate; }},
         {"complex22",
@@ -175,7 +175,7 @@ TEST(Allocation, NoneInAnyPresetFedSampleBySample) {
         {"open", [](Settings& s) { s.loop = Loop::Open; }},
         {"everything",
          [](Settings& s) {
-             s.misalignments = s.estimate_lever_arm = s.aids.nonholonomic_auto = true;
+             s.misalignments = s.estimate_lever_arm = s.constraints.nonholonomic_auto = true;
              s.gnss.latency_std = 0.02;
          }},
         {"tight", [](Settings&) {}, true},

@@ -46,7 +46,7 @@ struct Flight {
         s.gnss.latency_std = 0.15;
         s.scale_factors = s.misalignments = gains;
         s.estimate_lever_arm = lever_arm;
-        s.aids.nonholonomic = wheels;
+        s.constraints.nonholonomic = wheels;
         s.disturbance.estimate = gravity;
         s.disturbance.prior_n.setConstant(1e-4);
         return s;

@@ -83,7 +83,7 @@ NavigatorSettings settings_for(const sim::SimulatedData& data, Mechanization mec
     s.filter.mechanization = mechanization;
     s.filter.imu.kind = data.imu_kind;
     s.filter.imu.errors = sensor::imu_grade("tactical");
-    s.filter.aids.zero_velocity = false;
+    s.filter.constraints.zero_velocity = false;
     s.imu_interval = 0.01;
     const ReferenceSample& truth = data.recording.reference.front();
     Start start;

@@ -1,4 +1,4 @@
-// Rows of every aid and of the propagation, with every optional state present, against differences of what they linearise.
+// Rows of every measurement and of the propagation, with every optional state present, against differences of what they linearise.
 #include "schuler/core/units.h"
 #include "schuler/filter/measurement/body_velocity.h"
 #include "schuler/filter/measurement/constraint.h"
@@ -139,15 +139,15 @@ Estimate erring(const Estimate& truth, const VectorXd& dx) {
     return e;
 }
 
-/// An aid, a function of the estimate, at a point. attitude_floor: what the rows leave out on purpose for an attitude error,
+/// A measurement, a function of the estimate, at a point. attitude_floor: what the rows leave out on purpose for an attitude error,
 /// per radian.
-template <class Aid>
-LinearModel model_at(const Point& p, Aid aid, double attitude_floor = 1e-9) {
-    const Measurement m = aid(p.truth);
+template <class Function>
+LinearModel model_at(const Point& p, Function function, double attitude_floor = 1e-9) {
+    const Measurement m = function(p.truth);
     EXPECT_GT(m.dof, 0) << p.name;
     const MatrixXd H = dense_rows(m);
-    const auto output = [aid, truth = p.truth](const VectorXd& dx) {
-        const Measurement at = aid(erring(truth, dx));
+    const auto output = [function, truth = p.truth](const VectorXd& dx) {
+        const Measurement at = function(erring(truth, dx));
         return VectorXd(at.innovation.head(at.dof));
     };
     // Metres per metre: the radii of parallels some metres apart differ by 1e-5 near the poles.
@@ -157,10 +157,10 @@ LinearModel model_at(const Point& p, Aid aid, double attitude_floor = 1e-9) {
     return {p.name, H, output, sizes(10.0, 0.1, 1e-3), tolerance_of(H, 1e-7, VectorXd::Ones(m.dof), column)};
 }
 
-template <class Aid>
-std::vector<LinearModel> models_of(Aid aid, double attitude_floor = 1e-9) {
+template <class Function>
+std::vector<LinearModel> models_of(Function function, double attitude_floor = 1e-9) {
     std::vector<LinearModel> models;
-    for (const Point& p : random_points(12)) models.push_back(model_at(p, aid, attitude_floor));
+    for (const Point& p : random_points(12)) models.push_back(model_at(p, function, attitude_floor));
     return models;
 }
 
@@ -240,7 +240,7 @@ SCHULER_JACOBIAN(body_velocity, "filter.body_velocity") {
     return models_of([](const Estimate& e) { return body_velocity(e, {5.0, 1.0, 0.0}, 0.01, {12.0, -1.0, 3.0}); });
 }
 
-TEST(Aids, VariancesGoWithTheirComponents) {
+TEST(Measurements, VariancesGoWithTheirComponents) {
     const Estimate e = random_points(1)[0].truth;
     EXPECT_EQ(gnss_position(e, near_to(e), variance, unused_arm, {}).variance, variance);
     const Measurement down = gnss_position(e, near_to(e), variance, unused_arm, {false, false, true});
@@ -255,7 +255,7 @@ TEST(Aids, VariancesGoWithTheirComponents) {
 }
 
 // Innovations are zero for perfect measurements, made by other formulas: in the Earth-fixed frame, with a turning antenna.
-TEST(Aids, PerfectMeasurementsHaveNoInnovation) {
+TEST(Measurements, PerfectMeasurementsHaveNoInnovation) {
     for (const Point& p : random_points(20)) {
         Estimate e = p.truth;
         e.layout.gnss_position = e.layout.gnss_velocity = e.layout.gnss_latency = -1;
@@ -297,7 +297,7 @@ TEST(Aids, PerfectMeasurementsHaveNoInnovation) {
     }
 }
 
-TEST(Aids, GaugesAndLogShowWhatTheyShould) {
+TEST(Measurements, GaugesAndLogShowWhatTheyShould) {
     Estimate e = random_points(1)[0].truth;
     const auto& L = e.layout;
     // A gauge that is not there leaves no row; the others say the height of their places, counted from the level of each.
@@ -417,21 +417,21 @@ SCHULER_JACOBIAN(propagation_geographic, "filter.propagation_geographic") { retu
 SCHULER_JACOBIAN(propagation_ecef, "filter.propagation_ecef") { return transition_models<EarthFixedFrame>(); }
 
 // Rows in the filter's own errors, whatever they are.
-template <class Frame, class Aid>
-std::vector<LinearModel> mapped_models(Aid aid, double attitude_floor) {
+template <class Frame, class Function>
+std::vector<LinearModel> mapped_models(Function function, double attitude_floor) {
     std::vector<LinearModel> models;
     for (const Point& p : random_points(10)) {
         const Estimate truth = p.truth;
         const InertialModel model = model_of(truth);
         const InertialFilter<Frame> f = filter_at<Frame>(truth);
-        const Measurement m = f.to_own(model, aid(truth, f.estimate(model)));
+        const Measurement m = f.to_own(model, function(truth, f.estimate(model)));
         const MatrixXd H = dense_rows(m);
-        const auto output = [aid, truth, model, f](const VectorXd& dx) {
+        const auto output = [function, truth, model, f](const VectorXd& dx) {
             InertialFilter<Frame> e = f;
             e.set_nav(perturbed(truth.earth, f.nav, dx.head<9>()));
             e.parameters.segment(9, N - 9) += dx.tail(N - 9);
             e.w_ib_b -= dx.segment<3>(Layout::gyro_bias);
-            const Measurement at = aid(truth, e.estimate(model));
+            const Measurement at = function(truth, e.estimate(model));
             return VectorXd(at.innovation.head(at.dof));
         };
         VectorXd column = VectorXd::Constant(N, 1e-8);

@@ -49,7 +49,7 @@ TEST(Navigator, IsTheLooseBatchToTheLastBitInAnyOrder) {
     StreamLog log = car_log(61);
     EXPECT_GT(run_batch(log.recording, log.settings).data.still.windows.size(), 20u);
     expect_batch_bits(log.recording, log.settings);
-    log.settings.aids.zero_velocity = false;
+    log.settings.constraints.zero_velocity = false;
     expect_batch_bits(log.recording, log.settings, 0.0);
 }
 
@@ -290,9 +290,9 @@ TEST(Navigator, RefusesForeignAndDamagedBytes) {
     EXPECT_EQ(with([](Settings& s) { s.mag.deviation_std *= 2.0; }), RestoreStatus::OtherSettings);
     EXPECT_EQ(with([](Settings& s) { s.earth.ellipsoid.gm *= 1.0 + 1e-9; }), RestoreStatus::OtherSettings);
     EXPECT_EQ(with([](Settings& s) { s.earth.gravity = earth::GravityModel::PaperA; }), RestoreStatus::OtherSettings);
-    EXPECT_EQ(with([](Settings& s) { s.aids.floor_position = 50.0; }), RestoreStatus::OtherSettings);
-    EXPECT_EQ(with([](Settings& s) { s.aids.zero_velocity_std *= 3.0; }), RestoreStatus::OtherSettings);
-    EXPECT_EQ(with([](Settings& s) { s.aids.recovery_time = 30.0; }), RestoreStatus::OtherSettings);
+    EXPECT_EQ(with([](Settings& s) { s.constraints.floor_position = 50.0; }), RestoreStatus::OtherSettings);
+    EXPECT_EQ(with([](Settings& s) { s.constraints.zero_velocity_std *= 3.0; }), RestoreStatus::OtherSettings);
+    EXPECT_EQ(with([](Settings& s) { s.constraints.recovery_time = 30.0; }), RestoreStatus::OtherSettings);
     EXPECT_EQ(with([](Settings& s) { s.gnss.std_floor_position.z() = 1.0; }), RestoreStatus::OtherSettings);
     EXPECT_EQ(with([](Settings& s) { s.feedback_period = 5.0; }), RestoreStatus::OtherSettings);
     EXPECT_EQ(with([](Settings& s) { s.separate.position_time = 5.0; }), RestoreStatus::OtherSettings);
@@ -416,8 +416,8 @@ TEST(Navigator, SaysWhatItCannotBeTold) {
     EXPECT_EQ(status([](NavigatorSettings& n) { n.filter.output_lever_arm_b.x() = 1.0; }), MakeStatus::NotForStreams);
     EXPECT_EQ(status([](NavigatorSettings& n) { n.filter.output_instants.emplace_back(); }), MakeStatus::NotForStreams);
     // probabilities without a quantile: refused by their own key, not by an exception on the way
-    EXPECT_EQ(status([](NavigatorSettings& n) { n.filter.aids.gate_probability = 0.0; }), MakeStatus::Made);
-    EXPECT_EQ(status([](NavigatorSettings& n) { n.filter.aids.gate_probability = 1e-20; }), MakeStatus::BadSettings);
+    EXPECT_EQ(status([](NavigatorSettings& n) { n.filter.constraints.gate_probability = 0.0; }), MakeStatus::Made);
+    EXPECT_EQ(status([](NavigatorSettings& n) { n.filter.constraints.gate_probability = 1e-20; }), MakeStatus::BadSettings);
     EXPECT_EQ(status([](NavigatorSettings& n) {
                   n.filter.integrity.use = true;
                   n.filter.integrity.false_alarm = 1.0;

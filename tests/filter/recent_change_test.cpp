@@ -91,7 +91,7 @@ Estimate estimate_of(const Vector3d& rotation) {
 }
 
 /// A velocity of an instant ago is that of the antenna then, which turned about the unit at another rate.
-TEST(Aids, ALateVelocityIsThatOfTheAntenna) {
+TEST(Measurements, ALateVelocityIsThatOfTheAntenna) {
     math::Random random(5, "antenna");
     for (int k = 0; k < 20; ++k) {
         Estimate e = estimate_of(random.normal3());

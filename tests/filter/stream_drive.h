@@ -48,7 +48,7 @@ inline StreamLog car_log(std::uint64_t seed, double duration = 50.0) {
     f.gnss.estimate_std = false;
     f.gnss.latency = 0.103;
     f.gnss.velocity_latency = 0.106;
-    f.aids.nonholonomic = true;
+    f.constraints.nonholonomic = true;
     f.scale_factors = true;
     return log;
 }

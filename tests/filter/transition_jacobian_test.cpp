@@ -55,7 +55,7 @@ Vector difference(const InertialModel& model, const InertialFilter<Frame>& a, co
 /// Every state that acts on a step but gravity's.
 Settings sensors_and_arms() {
     Settings settings;
-    settings.scale_factors = settings.misalignments = settings.estimate_lever_arm = settings.aids.nonholonomic = true;
+    settings.scale_factors = settings.misalignments = settings.estimate_lever_arm = settings.constraints.nonholonomic = true;
     settings.gnss.errors.correlated_velocity.setOnes();
     return settings;
 }

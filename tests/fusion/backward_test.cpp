@@ -47,7 +47,7 @@ Result both_ways(std::uint64_t seed, Settings& settings, Recording& recording,
     recording = sim::simulate(scenario).recording;
     settings = settings_of(scenario);
     give_start(settings, recording, seed);
-    settings.aids.zero_velocity = false;  // its pseudo-measurements have no noise of their own to be judged by
+    settings.constraints.zero_velocity = false;  // its pseudo-measurements have no noise of their own to be judged by
     settings.backward = true;
     if (change) change(recording);
     return fuse(recording, settings);
@@ -70,7 +70,7 @@ TEST(Backward, InertialNavigationComesBackTheWayItWent) {
                  Vector3d::Constant(0.1 * deg),
                  Vector3d::Zero(),
                  Vector3d::Zero()};
-    f.aids.zero_velocity = false;
+    f.constraints.zero_velocity = false;
     f.outages = {{-100.0, 1000.0}};
     f.backward = true;
     for (const Mechanization m : {Mechanization::Geographic, Mechanization::Ecef}) {

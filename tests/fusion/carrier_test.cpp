@@ -229,9 +229,9 @@ TEST(PhaseRates, KnowTheVelocityBetterThanTheDopplerAndRefuseSlips) {
     EXPECT_LT(error, 0.6 * velocity_error(by_doppler, doppler).first);
     EXPECT_LT(velocity_error(with_slip, slipped).first, 1.1 * error);
     EXPECT_LT(beyond, 0.02);
-    const auto refused = std::ranges::count_if(slipped.aids, [&](const AidRecord& r) {
-        return r.kind == AidKind::RangeRate && r.source == with_slip.recording.ranges.samples[1].source &&
-               r.status == AidStatus::Rejected && std::lround(r.time.seconds()) == 60;
+    const auto refused = std::ranges::count_if(slipped.measurements, [&](const MeasurementRecord& r) {
+        return r.kind == MeasurementKind::RangeRate && r.source == with_slip.recording.ranges.samples[1].source &&
+               r.status == MeasurementStatus::Rejected && std::lround(r.time.seconds()) == 60;
     });
     EXPECT_EQ(refused, 1);
 }

@@ -57,7 +57,7 @@ const Campaign& campaign() {
             Settings f = settings_of(scenario);
             give_start(f, recording, seed);
             f.smooth = true;
-            f.aids.zero_velocity = false;  // a pseudo-measurement has no noise of its own to be judged by
+            f.constraints.zero_velocity = false;  // a pseudo-measurement has no noise of its own to be judged by
             const Result r = fuse(recording, f);
             const auto forward = errors(f, r.forward.rows, recording), smoothed = errors(f, r.smoothed.rows, recording);
             add(c.forward, forward);
@@ -106,7 +106,7 @@ double attitude_nees(bool with_states) {
         const Recording recording = sim::simulate(scenario).recording;
         Settings f = settings_of(scenario);
         give_start(f, recording, seed);
-        f.aids.zero_velocity = false;
+        f.constraints.zero_velocity = false;
         f.scale_factors = f.misalignments = with_states;
         add(mean, errors(f, fuse(recording, f).forward.rows, recording));
     }

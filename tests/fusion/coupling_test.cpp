@@ -94,21 +94,21 @@ TEST(ReceiverAiding, RatesAreTheDerivativesOfTheRange) {
         const NavState n = nav_at(t);
         Eigen::Matrix<double, 6, 6> P = Eigen::Matrix<double, 6, 6>::Zero();
         P.diagonal() << 4.0, 4.0, 4.0, 0.01, 0.01, 0.01;
-        const LineOfSightAid aid = line_of_sight_aid(here, there, earth::C_en(n.position.lat, n.position.lon), P);
+        const LineOfSightPrediction seen = line_of_sight_prediction(here, there, earth::C_en(n.position.lat, n.position.lon), P);
         const double h = 0.05;
-        EXPECT_NEAR(aid.range, range(t), 1e-6);
-        EXPECT_NEAR(aid.rate, (8.0 * (range(t + h) - range(t - h)) - (range(t + 2 * h) - range(t - 2 * h))) / (12.0 * h), 1e-5);
+        EXPECT_NEAR(seen.range, range(t), 1e-6);
+        EXPECT_NEAR(seen.rate, (8.0 * (range(t + h) - range(t - h)) - (range(t + 2 * h) - range(t - 2 * h))) / (12.0 * h), 1e-5);
         // The lever arm's turn is taken as steady: 2 m times an angular acceleration of 0.02 rad/s^2.
-        EXPECT_NEAR(aid.acceleration, (range(t + h) - 2.0 * range(t) + range(t - h)) / (h * h), 0.06);
-        EXPECT_NEAR(aid.std_range, 2.0, 1e-12);
-        EXPECT_NEAR(aid.std_rate, 0.1, 1e-12);
+        EXPECT_NEAR(seen.acceleration, (range(t + h) - 2.0 * range(t) + range(t - h)) / (h * h), 0.06);
+        EXPECT_NEAR(seen.std_range, 2.0, 1e-12);
+        EXPECT_NEAR(seen.std_rate, 0.1, 1e-12);
     }
 }
 
 TEST(Integrity, TestsOfOneFix) {
     IntegritySettings s;
     ChannelHealth health;
-    Examined e{AidKind::GnssPosition, Time::from_seconds(12.0), {60.0, 0.0, 0.0}, 3.0};
+    Examined e{MeasurementKind::GnssPosition, Time::from_seconds(12.0), {60.0, 0.0, 0.0}, 3.0};
     EXPECT_TRUE(within_tolerance(e, health, s));  // nothing to extrapolate from yet
     health.used = Time::from_seconds(10.0);
     EXPECT_TRUE(within_tolerance(e, health, s));  // 30 m/s^2 for 2 s: 60 m
@@ -118,7 +118,7 @@ TEST(Integrity, TestsOfOneFix) {
     e.trace = 100.0;  // a navigation that is uncertain by itself contradicts nothing
     EXPECT_TRUE(within_tolerance(e, health, s));
     e.trace = 3.0;
-    e.kind = AidKind::GnssVelocity;
+    e.kind = MeasurementKind::GnssVelocity;
     e.innovation.x() = 68.0;  // 30 m/s^2 for 2 s and 8.7 m/s
     EXPECT_TRUE(within_tolerance(e, health, s));
     e.trace = 68.0 * 68.0 / 10.0 * 0.999;
@@ -127,16 +127,16 @@ TEST(Integrity, TestsOfOneFix) {
     EXPECT_EQ(failed_test(e, health, s), std::nullopt);
 }
 
-Examined at(double t, AidKind kind) { return {kind, Time::from_seconds(t), Eigen::Vector3d::Zero(), 1.0}; }
+Examined at(double t, MeasurementKind kind) { return {kind, Time::from_seconds(t), Eigen::Vector3d::Zero(), 1.0}; }
 
 TEST(Integrity, ReadmissionTakesAgreementForItsTime) {
     IntegritySettings s;
     ChannelHealth health;
     health.excluded = true;
-    for (int t = 0; t < 5; ++t) EXPECT_FALSE(readmits(health, nullptr, at(t, AidKind::GnssVelocity), true, s));
-    EXPECT_FALSE(readmits(health, nullptr, at(5.0, AidKind::GnssVelocity), false, s));
-    for (int t = 6; t < 16; ++t) EXPECT_FALSE(readmits(health, nullptr, at(t, AidKind::GnssVelocity), true, s));
-    EXPECT_TRUE(readmits(health, nullptr, at(16.0, AidKind::GnssVelocity), true, s));
+    for (int t = 0; t < 5; ++t) EXPECT_FALSE(readmits(health, nullptr, at(t, MeasurementKind::GnssVelocity), true, s));
+    EXPECT_FALSE(readmits(health, nullptr, at(5.0, MeasurementKind::GnssVelocity), false, s));
+    for (int t = 6; t < 16; ++t) EXPECT_FALSE(readmits(health, nullptr, at(t, MeasurementKind::GnssVelocity), true, s));
+    EXPECT_TRUE(readmits(health, nullptr, at(16.0, MeasurementKind::GnssVelocity), true, s));
     EXPECT_FALSE(health.excluded);
 }
 
@@ -153,7 +153,7 @@ TEST(Integrity, AFaultThatIsStillThereIsNotAgreement) {
         for (int t = 0; t < 300; ++t) {
             const Eigen::Vector3d wrong = t < recovers ? fault : Eigen::Vector3d(Eigen::Vector3d::Zero());
             const Examined fix{
-                AidKind::GnssVelocity, Time::from_seconds(t), error - wrong - 0.05 * random.normal3(), 1.0, state, noise};
+                MeasurementKind::GnssVelocity, Time::from_seconds(t), error - wrong - 0.05 * random.normal3(), 1.0, state, noise};
             if (readmits(health, nullptr, fix, true, s)) return t;
         }
         return 300;
@@ -171,24 +171,24 @@ TEST(Integrity, AFaultThatIsStillThereIsNotAgreement) {
 /// The estimate followed a receiver that drifted, and the receiver recovers: what fails then is the estimate.
 TEST(Integrity, TheEndOfAFaultIsNotAnother) {
     ChannelHealth position, velocity;
-    const auto fix = [](AidKind kind, double t, double x, double y) {
+    const auto fix = [](MeasurementKind kind, double t, double x, double y) {
         return Examined{kind, Time::from_seconds(t), {x, y, 0.0}, 1.0};
     };
-    const auto ends = [&](AidKind kind, double t, double x, double y) {
-        return ends_a_fault(kind == AidKind::GnssPosition ? position : velocity, velocity, fix(kind, t, x, y));
+    const auto ends = [&](MeasurementKind kind, double t, double x, double y) {
+        return ends_a_fault(kind == MeasurementKind::GnssPosition ? position : velocity, velocity, fix(kind, t, x, y));
     };
-    EXPECT_FALSE(ends(AidKind::GnssVelocity, 500.0, 0.07, 0.07)) << "there was no fault";
+    EXPECT_FALSE(ends(MeasurementKind::GnssVelocity, 500.0, 0.07, 0.07)) << "there was no fault";
     velocity.fault = {-0.07, -0.07, 0.0};  // the receiver was faster than the estimate
     velocity.faulty = Time::from_seconds(400.0);
-    EXPECT_TRUE(ends(AidKind::GnssVelocity, 500.0, 0.06, 0.05));
-    EXPECT_TRUE(ends(AidKind::GnssPosition, 500.0, 6.0, 7.0));
-    EXPECT_FALSE(ends(AidKind::GnssVelocity, 500.0, -0.06, -0.05)) << "the same again";
-    EXPECT_FALSE(ends(AidKind::GnssVelocity, 500.0, 0.07, -0.07)) << "across";
-    EXPECT_FALSE(ends(AidKind::GnssVelocity, 500.0, 0.2, 0.2)) << "larger";
-    EXPECT_FALSE(ends(AidKind::GnssPosition, 500.0, 15.0, 15.0)) << "larger than 0.1 m/s in 100 s";
-    EXPECT_FALSE(ends(AidKind::GnssVelocity, 1100.0, 0.06, 0.05)) << "long ago";
+    EXPECT_TRUE(ends(MeasurementKind::GnssVelocity, 500.0, 0.06, 0.05));
+    EXPECT_TRUE(ends(MeasurementKind::GnssPosition, 500.0, 6.0, 7.0));
+    EXPECT_FALSE(ends(MeasurementKind::GnssVelocity, 500.0, -0.06, -0.05)) << "the same again";
+    EXPECT_FALSE(ends(MeasurementKind::GnssVelocity, 500.0, 0.07, -0.07)) << "across";
+    EXPECT_FALSE(ends(MeasurementKind::GnssVelocity, 500.0, 0.2, 0.2)) << "larger";
+    EXPECT_FALSE(ends(MeasurementKind::GnssPosition, 500.0, 15.0, 15.0)) << "larger than 0.1 m/s in 100 s";
+    EXPECT_FALSE(ends(MeasurementKind::GnssVelocity, 1100.0, 0.06, 0.05)) << "long ago";
     velocity.returned = true;
-    EXPECT_FALSE(ends(AidKind::GnssVelocity, 500.0, 0.06, 0.05)) << "twice";
+    EXPECT_FALSE(ends(MeasurementKind::GnssVelocity, 500.0, 0.06, 0.05)) << "twice";
 }
 
 // A receiver that drifts by 0.3 m/s: its positions agree for long after its velocities no longer do.
@@ -201,12 +201,12 @@ TEST(Integrity, APositionWaitsForTheVelocityThatWasExcludedWithIt) {
     };
     exclude();
     for (int t = 0; t < 60; ++t) {
-        EXPECT_FALSE(readmits(position, &velocity, at(t, AidKind::GnssPosition), true, s)) << t;
-        EXPECT_FALSE(readmits(velocity, nullptr, at(t, AidKind::GnssVelocity), false, s)) << t;
+        EXPECT_FALSE(readmits(position, &velocity, at(t, MeasurementKind::GnssPosition), true, s)) << t;
+        EXPECT_FALSE(readmits(velocity, nullptr, at(t, MeasurementKind::GnssVelocity), false, s)) << t;
     }
     int t = 60;
-    while (t < 90 && !readmits(position, &velocity, at(t, AidKind::GnssPosition), true, s)) {
-        if (velocity.excluded) (void)readmits(velocity, nullptr, at(t, AidKind::GnssVelocity), true, s);
+    while (t < 90 && !readmits(position, &velocity, at(t, MeasurementKind::GnssPosition), true, s)) {
+        if (velocity.excluded) (void)readmits(velocity, nullptr, at(t, MeasurementKind::GnssVelocity), true, s);
         ++t;
     }
     EXPECT_EQ(t, 71);
@@ -214,16 +214,16 @@ TEST(Integrity, APositionWaitsForTheVelocityThatWasExcludedWithIt) {
     // a velocity does not wait for a position that is wrong alone
     exclude();
     for (t = 0; t < 10; ++t) {
-        EXPECT_FALSE(readmits(position, &velocity, at(t, AidKind::GnssPosition), false, s)) << t;
-        EXPECT_FALSE(readmits(velocity, nullptr, at(t, AidKind::GnssVelocity), true, s)) << t;
+        EXPECT_FALSE(readmits(position, &velocity, at(t, MeasurementKind::GnssPosition), false, s)) << t;
+        EXPECT_FALSE(readmits(velocity, nullptr, at(t, MeasurementKind::GnssVelocity), true, s)) << t;
     }
-    EXPECT_TRUE(readmits(velocity, nullptr, at(10.0, AidKind::GnssVelocity), true, s));
+    EXPECT_TRUE(readmits(velocity, nullptr, at(10.0, MeasurementKind::GnssVelocity), true, s));
 
     // a receiver that has no velocities any more is not waited for
     exclude();
-    EXPECT_FALSE(readmits(velocity, nullptr, at(0.0, AidKind::GnssVelocity), false, s));
+    EXPECT_FALSE(readmits(velocity, nullptr, at(0.0, MeasurementKind::GnssVelocity), false, s));
     t = 0;
-    while (t < 40 && !readmits(position, &velocity, at(t, AidKind::GnssPosition), true, s)) ++t;
+    while (t < 40 && !readmits(position, &velocity, at(t, MeasurementKind::GnssPosition), true, s)) ++t;
     EXPECT_EQ(t, 30);
 }
 
@@ -254,7 +254,7 @@ struct CoupledFlight {
         settings.baro.std = 0.5;
         settings.baro.bias_std = 3.0;
         settings.baro.bias_walk = 0.02;
-        settings.aids.zero_velocity = false;
+        settings.constraints.zero_velocity = false;
     }
     Result run(Recording& recording) {
         WarningLog unheard;
@@ -335,7 +335,7 @@ TEST(LooseKind, PartsOfASparseFixSpeakOfItsTime) {
     flight.scenario.imu.errors = errors;
     flight.scenario.baro.rate = 0.0;
     flight.known_heading = 0.01;  // what an unknown one withholds is noise, and depends on the corrections in between
-    flight.settings.aids.gate_probability = 0.0;  // integrating at 20 Hz has errors too, which no noise stands for here
+    flight.settings.constraints.gate_probability = 0.0;  // integrating at 20 Hz has errors too, which no noise stands for here
     Recording recording;
     const Result standard = flight.run(recording);
     flight.settings.loose_kind = LooseKind::Aggressive;
@@ -368,7 +368,7 @@ TEST(Integrity, SlowRampIsFoundExcludedAndTheReceiverReadmitted) {
     const Result guarded = flight.run(recording);
     const Horizontal controlled = horizontal(guarded, recording, 60.0);
     flight.settings.integrity.use = false;
-    flight.settings.aids.gate_probability = 0.0;
+    flight.settings.constraints.gate_probability = 0.0;
     const Horizontal open = horizontal(flight.run(recording), recording, 60.0);
     EXPECT_GT(open.largest, 60.0);
     EXPECT_LT(controlled.largest, 0.5 * open.largest);

@@ -50,7 +50,7 @@ FilterRun<GeographicFrame> run_at(const Flight& f, double stop) {
 /// watch estimates by a metre: the filter run twice is the oracle.
 TEST(FaultWatch, RespondsAsTheFilterRunTwice) {
     Flight clean = flight();
-    clean.settings.aids.gate_probability = 0.0;
+    clean.settings.constraints.gate_probability = 0.0;
     clean.settings.ranging.protection.use = true;
     clean.settings.ranging.protection.false_alarm = 1e-15;
     Flight spoilt = clean;
@@ -78,7 +78,7 @@ TEST(FaultWatch, FindsNamesAndRepairs) {
     for (const Mechanization mechanization : {Mechanization::Geographic, Mechanization::Ecef}) {
         Flight f = flight();
         f.settings.mechanization = mechanization;
-        f.settings.aids.gate_probability = 0.0;
+        f.settings.constraints.gate_probability = 0.0;
         const double healthy = largest_error(f, run(f), 60.0);
         spoil(f.recording.ranges, 2, 60.0, 60.0);
         EXPECT_GT(largest_error(f, run(f), 70.0), healthy + 3.0);
@@ -101,7 +101,7 @@ TEST(FaultWatch, FindsNamesAndRepairs) {
 /// Without one source: what the watch keeps as a difference is the filter that was never given it, the filter run without it is the oracle.
 TEST(FaultWatch, KeepsTheFilterWithoutASource) {
     Flight with = flight();
-    with.settings.aids.gate_probability = 0.0;
+    with.settings.constraints.gate_probability = 0.0;
     with.settings.ranging.protection.use = true;
     with.settings.ranging.protection.false_alarm = 1e-15;
     const std::uint16_t source = 3;

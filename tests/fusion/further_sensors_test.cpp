@@ -52,7 +52,7 @@ TEST(FurtherSensors, OdometerAndHeadingCarryThroughAnOutage) {
     sim::Scenario scenario = town_drive(71, 1.0, 240.0);
     Recording recording = sim::simulate(scenario).recording;
     Settings settings = settings_of(scenario);
-    settings.aids.nonholonomic = true;
+    settings.constraints.nonholonomic = true;
     settings.outages = {{150.0, 60.0}};
     WarningLog unheard;
     const OutageError without = outage_error(run_filter(recording, settings, unheard), recording, 150.0, 210.0);

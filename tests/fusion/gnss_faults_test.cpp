@@ -177,7 +177,7 @@ TEST(FixScreen, FollowsTheSettings) {
     EXPECT_EQ(heard.topics(), (std::vector<std::string>{"gnss.frozen", "gnss.strayed"}));
     Settings integrity = settings, ungated = settings, positions_only = settings;
     integrity.integrity.use = true;
-    ungated.aids.gate_probability = 0.0;
+    ungated.constraints.gate_probability = 0.0;
     positions_only.gnss.use_velocity = false;
     for (const Settings& s : {integrity, ungated, positions_only}) {
         WarningLog none;

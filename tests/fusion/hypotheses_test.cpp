@@ -133,8 +133,10 @@ TEST(Hypotheses, AnInertialUnitThatFailedIsOpenedAndTheFixesAreTaken) {
         EXPECT_LT(o.denied, 0.04) << f.name;
         EXPECT_LT(o.after, 1.0) << f.name;
         std::size_t late = 0;
-        for (const AidRecord& a : o.result.aids)
-            late += a.kind == AidKind::GnssPosition && a.status == AidStatus::Rejected && age(d, a.stamp) > 45.0 ? 1 : 0;
+        for (const MeasurementRecord& a : o.result.measurements)
+            late += a.kind == MeasurementKind::GnssPosition && a.status == MeasurementStatus::Rejected && age(d, a.stamp) > 45.0
+                        ? 1
+                        : 0;
         EXPECT_EQ(late, 0u) << f.name;
     }
 }

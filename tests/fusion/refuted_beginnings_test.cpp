@@ -55,7 +55,7 @@ TEST(RefutedBeginnings, FromTheInterruptionToTheJump) {
     EXPECT_EQ(found[0].end, at(44.0));
     EXPECT_NEAR(found[0].jump.norm(), 20.0, 0.01);
     std::vector<filter::Event> events;
-    for (const filter::AidKind kind : {filter::AidKind::GnssPosition, filter::AidKind::GnssVelocity})
+    for (const filter::MeasurementKind kind : {filter::MeasurementKind::GnssPosition, filter::MeasurementKind::GnssVelocity})
         for (const GnssFix& fix : l.fixes) {
             filter::Event e{};
             e.stamp = e.valid = fix.time;

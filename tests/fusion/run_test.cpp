@@ -69,7 +69,7 @@ TEST(Run, FramesAgree) {
     Drive d = recorded_drive(1);
     d.settings.smooth = true;
     d.settings.scale_factors = true;
-    d.settings.aids.nonholonomic = true;
+    d.settings.constraints.nonholonomic = true;
     const Result n = fuse(d.recording, d.settings);
     d.settings.mechanization = Mechanization::Ecef;
     const Result e = fuse(d.recording, d.settings);
@@ -83,9 +83,10 @@ TEST(Run, FramesAgree) {
         EXPECT_LT(x.sigma, 1e-4);
     }
     std::array<int, 7> kinds{};
-    for (const AidRecord& a : n.aids) kinds[static_cast<std::size_t>(a.kind)] += a.status == AidStatus::Accepted ? 1 : 0;
-    for (const AidKind kind :
-         {AidKind::GnssPosition, AidKind::GnssVelocity, AidKind::ZeroVelocity, AidKind::ZeroRate, AidKind::Nonholonomic})
+    for (const MeasurementRecord& a : n.measurements)
+        kinds[static_cast<std::size_t>(a.kind)] += a.status == MeasurementStatus::Accepted ? 1 : 0;
+    for (const MeasurementKind kind : {MeasurementKind::GnssPosition, MeasurementKind::GnssVelocity,
+                                       MeasurementKind::ZeroVelocity, MeasurementKind::ZeroRate, MeasurementKind::Nonholonomic})
         EXPECT_GT(kinds[static_cast<std::size_t>(kind)], 20) << static_cast<int>(kind);
     EXPECT_EQ(n.counters.gnss_accepted, e.counters.gnss_accepted);
     EXPECT_EQ(n.forward.rows.size(), n.smoothed.rows.size());
@@ -152,12 +153,12 @@ TEST(Run, OutliersAreRejected) {
     }
     const Result r = fuse(d.recording, d.settings);
     std::size_t wrong = 0, lost = 0;
-    for (const AidRecord& a : r.aids) {
-        if (a.kind != AidKind::GnssPosition) continue;
+    for (const MeasurementRecord& a : r.measurements) {
+        if (a.kind != MeasurementKind::GnssPosition) continue;
         const auto k = static_cast<std::size_t>(std::lround((a.stamp - d.scenario.origin).seconds()));
         const bool outlier = std::find(outliers.begin(), outliers.end(), k) != outliers.end();
-        wrong += outlier && a.status != AidStatus::Rejected ? 1 : 0;
-        lost += !outlier && a.status == AidStatus::Rejected ? 1 : 0;
+        wrong += outlier && a.status != MeasurementStatus::Rejected ? 1 : 0;
+        lost += !outlier && a.status == MeasurementStatus::Rejected ? 1 : 0;
     }
     EXPECT_EQ(wrong, 0u);
     EXPECT_EQ(lost, 0u);
@@ -183,8 +184,11 @@ TEST(Run, ClusterAfterAnOutageDoesNotCaptureTheFilter) {
         EXPECT_GT(worst_horizontal(clean_errors, 70.0), 30.0);
         EXPECT_LT(worst_horizontal(bad, 160.0), 5.0);
         std::size_t late = 0;
-        for (const AidRecord& a : r.aids)
-            late += a.kind == AidKind::GnssPosition && a.status == AidStatus::Rejected && a.stamp.seconds() > 1160.0 ? 1 : 0;
+        for (const MeasurementRecord& a : r.measurements)
+            late +=
+                a.kind == MeasurementKind::GnssPosition && a.status == MeasurementStatus::Rejected && a.stamp.seconds() > 1160.0
+                    ? 1
+                    : 0;
         EXPECT_EQ(late, 0u);
     }
 }

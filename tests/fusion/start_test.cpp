@@ -415,8 +415,8 @@ TEST(Latency, OfAShakenUnitIsFoundWithoutRefusals) {
         f.gnss.latency_std = f.gnss.velocity_latency_std = 0.15;
         const Result result = fuse(recording, f);
         int refused = 0;
-        for (const AidRecord& a : result.aids)
-            refused += a.kind == AidKind::GnssVelocity && a.status == AidStatus::Rejected ? 1 : 0;
+        for (const MeasurementRecord& a : result.measurements)
+            refused += a.kind == MeasurementKind::GnssVelocity && a.status == MeasurementStatus::Rejected ? 1 : 0;
         const auto block = std::ranges::find(result.states, "gnss_velocity_latency_error", &LayoutBlock::name);
         ASSERT_NE(block, result.states.end());
         const ParameterRow& last = result.forward.parameters.back();

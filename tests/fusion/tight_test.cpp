@@ -26,8 +26,8 @@ using Eigen::Vector3d;
 
 std::map<int, int> rejected_pseudoranges(const Result& result, double from, double to) {
     std::map<int, int> out;
-    for (const AidRecord& r : result.aids)
-        if (r.kind == AidKind::Pseudorange && r.status == AidStatus::Rejected && r.time.seconds() >= from &&
+    for (const MeasurementRecord& r : result.measurements)
+        if (r.kind == MeasurementKind::Pseudorange && r.status == MeasurementStatus::Rejected && r.time.seconds() >= from &&
             r.time.seconds() < to)
             ++out[static_cast<int>(std::lround(r.time.seconds()))];
     return out;
@@ -164,13 +164,13 @@ TEST(TightFilter, OneAndTwoFaultySatellitesAreLeftOut) {
     for (const std::vector<std::uint16_t>& faulty : {std::vector<std::uint16_t>{2}, std::vector<std::uint16_t>{1, 4}}) {
         Flight f = flight();
         for (const std::uint16_t source : faulty) spoil(f.recording.ranges, source, 60.0, source == 4 ? -60.0 : 80.0);
-        f.settings.aids.recovery_time = 1e3;
+        f.settings.constraints.recovery_time = 1e3;
         const Result guarded = run(f);
         const auto rejected = rejected_pseudoranges(guarded, 60.0, 121.0);
         EXPECT_EQ(rejected.size(), 61U);
         for (const auto& [second, count] : rejected) EXPECT_GE(count, static_cast<int>(faulty.size())) << second;
         EXPECT_LT(largest_error(f, guarded, 60.0), healthy + 3.0);
-        f.settings.aids.gate_probability = 0.0;
+        f.settings.constraints.gate_probability = 0.0;
         EXPECT_GT(largest_error(f, run(f), 60.0), healthy + 8.0);
     }
 }
@@ -211,10 +211,10 @@ TEST(TightFilter, SilenceDoesNotSpeakAgainstASource) {
         }
     int rejected = 0, used = 0;
     double largest = 0.0;
-    for (const AidRecord& r : run(f).aids) {
-        if (r.kind != AidKind::Pseudorange || r.source != source || r.time.seconds() < 79.5) continue;
-        ++(r.status == AidStatus::Rejected ? rejected : used);
-        if (r.status == AidStatus::Accepted) largest = std::max(largest, r.sigma(0));
+    for (const MeasurementRecord& r : run(f).measurements) {
+        if (r.kind != MeasurementKind::Pseudorange || r.source != source || r.time.seconds() < 79.5) continue;
+        ++(r.status == MeasurementStatus::Rejected ? rejected : used);
+        if (r.status == MeasurementStatus::Accepted) largest = std::max(largest, r.sigma(0));
     }
     EXPECT_EQ(rejected, 1);
     EXPECT_EQ(used, 40);
@@ -237,7 +237,8 @@ TEST(TightFilter, OneSatelliteIsOfUse) {
     EXPECT_LT(with.forward.rows.back().std_position.norm(), 0.98 * without.forward.rows.back().std_position.norm());
     EXPECT_TRUE(with.forward.rows.back().std_position.allFinite());
     std::size_t used = 0;
-    for (const AidRecord& r : with.aids) used += r.kind == AidKind::Pseudorange && r.time.seconds() > 61.5 ? 1 : 0;
+    for (const MeasurementRecord& r : with.measurements)
+        used += r.kind == MeasurementKind::Pseudorange && r.time.seconds() > 61.5 ? 1 : 0;
     EXPECT_EQ(used, 59U);
 }
 

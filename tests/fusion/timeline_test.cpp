@@ -262,27 +262,27 @@ TEST(Events, EveryChannelHasItsAge) {
     settings.gnss.velocity_latency = 0.25;
     settings.gnss.velocity_down_latency = -0.05;
     const std::vector<Event> events = events_of(recording, settings);
-    std::map<std::pair<AidKind, int>, int> count;
+    std::map<std::pair<MeasurementKind, int>, int> count;
     for (std::size_t i = 0; i < events.size(); ++i) {
         const Event& e = events[i];
         EXPECT_GE(e.valid, events[i > 0 ? i - 1 : 0].valid);
         ++count[{e.kind, e.components}];
         const double age = (e.stamp - e.valid).seconds();
-        if (e.kind == AidKind::Baro) {
+        if (e.kind == MeasurementKind::Baro) {
             EXPECT_EQ(e.stamp, recording.baro[e.index].time);
             EXPECT_DOUBLE_EQ(age, 0.0);
             continue;
         }
         EXPECT_EQ(e.stamp, recording.gnss[e.index].time);
         const double expected =
-            e.kind == AidKind::GnssPosition ? (e.components == 3 ? 0.12 : 1.32) : (e.components == 3 ? 0.28 : -0.02);
+            e.kind == MeasurementKind::GnssPosition ? (e.components == 3 ? 0.12 : 1.32) : (e.components == 3 ? 0.28 : -0.02);
         EXPECT_NEAR(age, expected, 1e-9);
     }
-    const std::map<std::pair<AidKind, int>, int> all{{{AidKind::GnssPosition, 3}, 20},
-                                                     {{AidKind::GnssPosition, 4}, 20},
-                                                     {{AidKind::GnssVelocity, 3}, 20},
-                                                     {{AidKind::GnssVelocity, 4}, 20},
-                                                     {{AidKind::Baro, 4}, 40}};
+    const std::map<std::pair<MeasurementKind, int>, int> all{{{MeasurementKind::GnssPosition, 3}, 20},
+                                                             {{MeasurementKind::GnssPosition, 4}, 20},
+                                                             {{MeasurementKind::GnssVelocity, 3}, 20},
+                                                             {{MeasurementKind::GnssVelocity, 4}, 20},
+                                                             {{MeasurementKind::Baro, 4}, 40}};
     EXPECT_EQ(count, all);
 }
 
@@ -292,16 +292,16 @@ TEST(Events, EqualAgesAreOneEventAndAbsentComponentsNone) {
     recording.gnss[2].velocity_n = not_given3();
     recording.gnss[3].fix = FixType::None;
     Settings settings;
-    std::vector<std::tuple<AidKind, int, std::size_t>> got;
+    std::vector<std::tuple<MeasurementKind, int, std::size_t>> got;
     for (const Event& e : events_of(recording, settings)) got.emplace_back(e.kind, e.components, e.index);
     // clang-format off
-    const std::vector<std::tuple<AidKind, int, std::size_t>> expected{
-        {AidKind::GnssPosition, 7, 0}, {AidKind::GnssVelocity, 7, 0}, {AidKind::GnssPosition, 3, 1},
-        {AidKind::GnssVelocity, 7, 1}, {AidKind::GnssPosition, 7, 2}};
+    const std::vector<std::tuple<MeasurementKind, int, std::size_t>> expected{
+        {MeasurementKind::GnssPosition, 7, 0}, {MeasurementKind::GnssVelocity, 7, 0}, {MeasurementKind::GnssPosition, 3, 1},
+        {MeasurementKind::GnssVelocity, 7, 1}, {MeasurementKind::GnssPosition, 7, 2}};
     // clang-format on
     EXPECT_EQ(got, expected);
     settings.gnss.use_velocity = false;
-    for (const Event& e : events_of(recording, settings)) EXPECT_EQ(e.kind, AidKind::GnssPosition);
+    for (const Event& e : events_of(recording, settings)) EXPECT_EQ(e.kind, MeasurementKind::GnssPosition);
 }
 
 TEST(Events, OutagesExcludeTheirEndsAndTellTheFirstFixAfter) {
@@ -315,7 +315,7 @@ TEST(Events, OutagesExcludeTheirEndsAndTellTheFirstFixAfter) {
         const int t = static_cast<int>(std::lround((e.stamp - recording.gnss.front().time).seconds()));
         const bool inside = (t > 10 && t < 15) || (t > 40 && t < 45);
         EXPECT_EQ(e.withheld, inside) << t;
-        if (e.kind == AidKind::GnssVelocity) {
+        if (e.kind == MeasurementKind::GnssVelocity) {
             EXPECT_FALSE(e.outage_end);
             continue;
         }
@@ -334,7 +334,7 @@ TEST(Events, RepeatedValuesAreDropped) {
     WarningLog warnings;
     const std::vector<Event> events = make_events(recording, {}, recording.gnss.front().time, warnings);
     int gnss = 0, baro = 0;
-    for (const Event& e : events) (e.kind == AidKind::Baro ? baro : gnss) += 1;
+    for (const Event& e : events) (e.kind == MeasurementKind::Baro ? baro : gnss) += 1;
     EXPECT_EQ(gnss, 20);
     EXPECT_EQ(baro, 5);
     EXPECT_EQ(warnings.count("gnss.duplicates"), 1u);

@@ -68,7 +68,7 @@ filter::NavigatorSettings settings_of(std::uint8_t choice) {
     s.imu_interval = 0.02;
     s.filter.vehicle = (choice & 1) != 0 ? filter::VehicleKind::Car : filter::VehicleKind::Air;
     s.filter.scale_factors = (choice & 2) != 0;
-    s.filter.aids.nonholonomic = (choice & 1) != 0;
+    s.filter.constraints.nonholonomic = (choice & 1) != 0;
     s.rates = {.gnss = 10.0, .baro = 10.0, .mag = 10.0, .odometer = 10.0, .heading = 10.0};
     if ((choice & 4) == 0) {
         filter::Start start;

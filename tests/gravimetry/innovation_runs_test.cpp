@@ -12,25 +12,25 @@
 namespace schuler::gravimetry {
 namespace {
 
-using filter::AidKind;
-using filter::AidRecord;
-using filter::AidStatus;
+using filter::MeasurementKind;
+using filter::MeasurementRecord;
+using filter::MeasurementStatus;
 
 /// `n` independent innovations of unit variance a channel; the down position has `mean` in [begin, end).
-std::vector<AidRecord> innovations(std::size_t n, std::uint64_t seed, double mean, std::size_t begin,
-                                   std::size_t end = SIZE_MAX) {
+std::vector<MeasurementRecord> innovations(std::size_t n, std::uint64_t seed, double mean, std::size_t begin,
+                                           std::size_t end = SIZE_MAX) {
     math::Random random(seed, "innovations");
-    std::vector<AidRecord> out;
+    std::vector<MeasurementRecord> out;
     for (std::size_t i = 0; i < n; ++i) {
-        for (const AidKind kind : {AidKind::GnssPosition, AidKind::GnssVelocity}) {
-            AidRecord a{};
+        for (const MeasurementKind kind : {MeasurementKind::GnssPosition, MeasurementKind::GnssVelocity}) {
+            MeasurementRecord a{};
             a.time = Time{static_cast<std::int64_t>(i) * 1'000'000'000};
             a.kind = kind;
-            a.status = AidStatus::Accepted;
+            a.status = MeasurementStatus::Accepted;
             a.dof = 3;
             a.sigma.setConstant(2.0);
             a.innovation = 2.0 * random.normal3();
-            if (kind == AidKind::GnssPosition && i >= begin && i < end) a.innovation.z() += 2.0 * mean;
+            if (kind == MeasurementKind::GnssPosition && i >= begin && i < end) a.innovation.z() += 2.0 * mean;
             out.push_back(a);
         }
     }
@@ -52,15 +52,15 @@ TEST(InnovationRuns, OfAConsistentFilterAreSeldomCalledBiased) {
 TEST(InnovationRuns, NameTheChannelAndTheTime) {
     const InnovationRun run = most_biased_run(innovations(1000, 7, 1.0, 640, 704), Time{0});
     EXPECT_TRUE(run.significant());
-    EXPECT_EQ(run.kind, AidKind::GnssPosition);
+    EXPECT_EQ(run.kind, MeasurementKind::GnssPosition);
     EXPECT_EQ(run.axis, 2);
     EXPECT_GE(run.from.ns, 576'000'000'000);
     EXPECT_LE(run.to.ns, 768'000'000'000);
     EXPECT_FALSE(run.throughout);
     // neither what comes before the filter has settled, nor refused fixes
     EXPECT_FALSE(most_biased_run(innovations(600, 7, 5.0, 0), Time{601'000'000'000}).significant());
-    std::vector<AidRecord> refused = innovations(600, 7, 5.0, 0);
-    for (AidRecord& a : refused) a.status = AidStatus::Rejected;
+    std::vector<MeasurementRecord> refused = innovations(600, 7, 5.0, 0);
+    for (MeasurementRecord& a : refused) a.status = MeasurementStatus::Rejected;
     EXPECT_EQ(most_biased_run(refused, Time{0}).tests, 0U);
 }
 
@@ -87,7 +87,7 @@ InnovationRun survey_with_step(bool stepped, bool declared, std::uint64_t seed) 
     const test::Prepared survey(s, data, b, nav);
     SurveyOptions options{.smooth = false};
     if (declared) options.steps = {nav.time + Duration::from_seconds(middle)};
-    return most_biased_run(survey.run(options).aids, nav.time + Duration::from_seconds(300.0));
+    return most_biased_run(survey.run(options).measurements, nav.time + Duration::from_seconds(300.0));
 }
 
 TEST(InnovationRuns, ShowAStepThatTheFilterWasNotToldOf) {

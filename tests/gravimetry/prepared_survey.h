@@ -1,7 +1,7 @@
 // A simulated survey made ready for the filter: increments, events and a start that errs as it is believed to.
 #pragma once
 
-#include "schuler/core/aid_samples.h"
+#include "schuler/core/instrument_logs.h"
 #include "schuler/fusion/timeline.h"
 #include "schuler/gravimetry/survey_run.h"
 #include "schuler/ins/step.h"
@@ -32,14 +32,14 @@ struct Prepared {
     filter::Settings settings;
     filter::Start start;
 
-    /// The samples of an AidLog that are to be taken.
+    /// The samples of an InstrumentLogs that are to be taken.
     Prepared(const sim::Scenario& scenario, const sim::SimulatedData& simulated, const Beliefs& beliefs, const NavState& nav,
-             const AidLog& aids = {})
+             const InstrumentLogs& instruments = {})
         : settings(gravity27(beliefs.settings, beliefs.disturbance)) {
         recording.gnss = simulated.recording.gnss;
-        recording.gauges = aids.gauges;
-        recording.body_velocity = aids.velocities;
-        recording.heading = aids.headings;
+        recording.gauges = instruments.gauges;
+        recording.body_velocity = instruments.velocities;
+        recording.heading = instruments.headings;
         data.recording = &recording;
         data.origin = nav.time;
         data.imu.median_dt = 1.0 / scenario.imu.rate;

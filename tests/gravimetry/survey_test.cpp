@@ -301,7 +301,8 @@ TEST(SurveySlow, TheOpenLoopOutrunsItsLinearModel) {
     EXPECT_LT(apart(open, 1500), 0.02 * units::mgal);
     EXPECT_LT(apart(mixed, 5399), 0.002 * units::mgal);
     const auto refused = [](const Flown& flown) {
-        return std::ranges::count_if(flown.result.aids, [](const auto& r) { return r.status != filter::AidStatus::Accepted; });
+        return std::ranges::count_if(flown.result.measurements,
+                                     [](const auto& r) { return r.status != filter::MeasurementStatus::Accepted; });
     };
     EXPECT_LE(refused(closed), 4);  // of 10800, with a probability of 1e-4
     EXPECT_LE(refused(mixed), 4);

@@ -201,7 +201,7 @@ TEST(Given, OtherFilesOfTheFolderAreAidsOnlyWhereTheyMay) {
     write_file(folder / "baro.csv", "time_s,pressure_pa\n1000,100000\n1060,100010\n1120,100005\n");
     Given given = named(folder);
     EXPECT_EQ(text_of(inspect(folder, given), "baro.file"), "\"baro.csv\"");
-    given.find_aids = false;
+    given.find_companions = false;
     EXPECT_EQ(text_of(inspect(folder, given), "baro.file"), "(not found)");
 }
 
@@ -282,7 +282,7 @@ TEST(Given, TheImuIsFoundInTheLogWhoseFixesAreNamed) {
     Given given;
     given.gnss = {folder / "drive.bag#gnss", "drive.bag#gnss", {}, {}, 0.0, {}};
     given.keys = {"gnss.file"};
-    given.find_logs = given.find_aids = false;
+    given.find_logs = given.find_companions = false;
     const InspectReport report = inspect(folder, given);
     EXPECT_EQ(text_of(report, "imu.file"), "\"drive.bag#imu\"");
     given.find_imu = false;

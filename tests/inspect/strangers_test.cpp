@@ -226,7 +226,7 @@ TEST(Strangers, OfOtherInstrumentsInTheTableTheMagnetometerIsUsedAndTheOthersAre
     // also where the IMU alone is named, but readings that never change are none
     Given named;
     named.find_logs = false;
-    named.find_aids = true;
+    named.find_companions = true;
     named.keys = {"imu.file"};
     named.imu.path = folder / "imu.csv";
     named.imu.name = "imu.csv";

@@ -297,7 +297,7 @@ TEST(SyntheticCar, OdometerAndHeadingBesideItAreFound) {
     EXPECT_EQ(text(r, "odometer.file"), "wheels.csv");
     EXPECT_EQ(text(r, "heading.file"), "heading.csv");
     Given given;
-    given.find_aids = false;
+    given.find_companions = false;
     EXPECT_EQ(text(inspect(folder, given), "odometer.file"), "");
 }
 

@@ -37,15 +37,15 @@ solution::ResultBundle hand_made(bool smoothed) {
         b.data.recording.reference.push_back({row.time, place, Eigen::Vector3d::Zero(), {0.0, 0.0, 0.5 * units::deg}, true});
     }
     for (int i = 0; i < 50; ++i) {
-        fusion::AidRecord r{};
+        fusion::MeasurementRecord r{};
         r.time = r.stamp = Time::from_seconds(3.0 * i + 50.0);
-        r.kind = fusion::AidKind::GnssPosition;
-        r.status = i % 10 == 0 ? fusion::AidStatus::Rejected : fusion::AidStatus::Accepted;
+        r.kind = fusion::MeasurementKind::GnssPosition;
+        r.status = i % 10 == 0 ? fusion::MeasurementStatus::Rejected : fusion::MeasurementStatus::Accepted;
         r.dof = 3;
         r.innovation.setConstant(i % 2 == 0 ? 1.0 : -1.0);
         r.sigma.setConstant(1.0);
         r.nis = 3.0;
-        b.result.aids.push_back(r);
+        b.result.measurements.push_back(r);
     }
     b.result.counters.imu_epochs = 20000;
     b.result.counters.imu_rate = 100.0;

@@ -31,17 +31,18 @@ solution::ResultBundle on_the_equator() {
             log.samples.push_back(m);
         }
         // the filter uses the first, rejects the second's pseudorange but not its rate, and is not asked about the station
-        for (const auto& [source, kind, status] : {std::tuple{up, fusion::AidKind::Pseudorange, fusion::AidStatus::Accepted},
-                                                   std::tuple{east, fusion::AidKind::Pseudorange, fusion::AidStatus::Rejected},
-                                                   std::tuple{east, fusion::AidKind::RangeRate, fusion::AidStatus::Accepted}}) {
-            fusion::AidRecord r{};
+        for (const auto& [source, kind, status] :
+             {std::tuple{up, fusion::MeasurementKind::Pseudorange, fusion::MeasurementStatus::Accepted},
+              std::tuple{east, fusion::MeasurementKind::Pseudorange, fusion::MeasurementStatus::Rejected},
+              std::tuple{east, fusion::MeasurementKind::RangeRate, fusion::MeasurementStatus::Accepted}}) {
+            fusion::MeasurementRecord r{};
             r.stamp = r.time = row.time;
             r.kind = kind;
             r.status = status;
             r.source = source;
             r.innovation.x() = 10.0 * source + i;
             r.sigma.x() = 2.0;
-            b.result.aids.push_back(r);
+            b.result.measurements.push_back(r);
         }
     }
     return b;

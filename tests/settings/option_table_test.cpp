@@ -117,7 +117,7 @@ TEST(OptionTable, UnitsReachTheSettings) {
     EXPECT_EQ(c.filter.gnss.height, fusion::HeightKind::Msl);
     EXPECT_EQ(c.fix_codes.at("1"), "rtk_fixed");
     EXPECT_EQ(c.gnss.columns.at("height_m"), "height_msl_m");
-    EXPECT_TRUE(c.filter.aids.nonholonomic);
+    EXPECT_TRUE(c.filter.constraints.nonholonomic);
     EXPECT_NEAR(c.filter.initial.rpy.z(), M_PI / 2, 1e-15);
     EXPECT_TRUE(std::isnan(c.filter.initial.rpy.x()));
 }

@@ -93,7 +93,7 @@ TEST(Scenario, FilterIsToldWhatIsSimulatedUnlessAssumedOtherwise) {
     EXPECT_EQ(c.filter.gnss.lever_arm_b, Eigen::Vector3d(0.1, 0.2, -1));
     EXPECT_EQ(c.filter.gnss.latency, 0.1);
     EXPECT_EQ(c.filter.vehicle, fusion::VehicleKind::Car);
-    EXPECT_TRUE(c.filter.aids.nonholonomic);
+    EXPECT_TRUE(c.filter.constraints.nonholonomic);
     EXPECT_FALSE(c.filter.imu.estimate_noise);
     EXPECT_NEAR(c.filter.initial.std_rpy.z(), 2 * M_PI / 180, 1e-12);
     ASSERT_EQ(c.run.outages.size(), 1u);
@@ -218,7 +218,7 @@ TEST(Scenario, InstrumentsOfASurveyPassTheirReaders) {
     WarningLog warnings;
     const solution::LoadedDataset read = solution::load_dataset(dataset, config_from(dataset.settings), warnings);
     const Recording& a = read.recording;
-    const AidLog& b = simulated.aids;
+    const InstrumentLogs& b = simulated.instruments;
     ASSERT_EQ(a.gauges.size(), 41U);
     ASSERT_EQ(a.body_velocity.size(), 21U);
     ASSERT_EQ(a.heading.size(), 101U);
@@ -229,7 +229,7 @@ TEST(Scenario, InstrumentsOfASurveyPassTheirReaders) {
     }
     for (std::size_t i = 0; i < a.body_velocity.size(); ++i) EXPECT_EQ(a.body_velocity[i].velocity_b, b.velocities[i].velocity_b);
     for (std::size_t i = 0; i < a.heading.size(); ++i) EXPECT_EQ(a.heading[i].heading, b.headings[i].heading);
-    const AidsConfig& told = read.config.aids;
+    const InstrumentsConfig& told = read.config.instruments;
     EXPECT_EQ(told.gauges.lever_arms_b.size(), 2U);
     EXPECT_NEAR(told.gauges.bias, 0.7, 1e-12);
     EXPECT_NEAR(told.log.scale, 4e-3, 1e-12);

@@ -201,8 +201,8 @@ TEST_F(DatasetTest, KfGinsProjectInOurWords) {
     EXPECT_EQ(s.earth.gravity, earth::GravityModel::KfGins);
     EXPECT_EQ(s.earth.ellipsoid.w_ie, 7.2921151467e-5);
     EXPECT_TRUE(s.scale_factors);
-    EXPECT_FALSE(s.aids.nonholonomic);
-    EXPECT_TRUE(s.aids.zero_velocity);
+    EXPECT_FALSE(s.constraints.nonholonomic);
+    EXPECT_TRUE(s.constraints.zero_velocity);
     EXPECT_NEAR(s.imu.errors.gyro_noise, 0.24 * M_PI / 180 / 60, 1e-17);
     EXPECT_NEAR(s.imu.errors.accel_noise, 0.24 / 60, 1e-16);
     EXPECT_NEAR(s.imu.errors.gyro_bias, 24 * M_PI / 180 / 3600, 1e-17);

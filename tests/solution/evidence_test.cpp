@@ -9,42 +9,43 @@
 namespace schuler::solution {
 namespace {
 
-using fusion::AidKind;
-using fusion::AidStatus;
+using fusion::MeasurementKind;
+using fusion::MeasurementStatus;
 
-bool contradicted(AidKind kind, int accepted, int refused, int withheld = 0) {
+bool contradicted(MeasurementKind kind, int accepted, int refused, int withheld = 0) {
     ResultBundle b;
     b.result.counters.gnss_accepted = 100;
-    const auto put = [&](int count, AidStatus status) {
+    const auto put = [&](int count, MeasurementStatus status) {
         for (int i = 0; i < count; ++i) {
-            fusion::AidRecord r;
+            fusion::MeasurementRecord r;
             r.kind = kind;
             r.status = status;
-            b.result.aids.push_back(r);
+            b.result.measurements.push_back(r);
         }
     };
-    put(accepted, AidStatus::Accepted);
-    put(refused, AidStatus::Rejected);
-    put(withheld, AidStatus::Withheld);
+    put(accepted, MeasurementStatus::Accepted);
+    put(refused, MeasurementStatus::Rejected);
+    put(withheld, MeasurementStatus::Withheld);
     const std::vector<Concern> concerns = evidence_of(b, {});
     return std::ranges::find(concerns, "instrument.refused", &Concern::id) != concerns.end();
 }
 
 /// A heading that is always refused leaves open whether the instrument or the solution is wrong.
 TEST(Evidence, AnInstrumentThatIsMostlyRefusedContradicts) {
-    for (const AidKind kind : {AidKind::Heading, AidKind::Mag, AidKind::Baro, AidKind::Odometer}) {
+    for (const MeasurementKind kind :
+         {MeasurementKind::Heading, MeasurementKind::Mag, MeasurementKind::Baro, MeasurementKind::Odometer}) {
         EXPECT_TRUE(contradicted(kind, 0, 38));
         EXPECT_TRUE(contradicted(kind, 18, 20));
         EXPECT_FALSE(contradicted(kind, 20, 18));
         EXPECT_FALSE(contradicted(kind, 0, 9));
         EXPECT_FALSE(contradicted(kind, 20, 18, 40));
     }
-    EXPECT_FALSE(contradicted(AidKind::Nonholonomic, 0, 38));  // a constraint of the vehicle is no instrument
+    EXPECT_FALSE(contradicted(MeasurementKind::Nonholonomic, 0, 38));  // a constraint of the vehicle is no instrument
     EXPECT_EQ(gravity_of("instrument.refused"), Gravity::Care);
 }
 
 /// Fixes every second with a silence from 30 s on; the first one after it moves the position, which is known to a metre then.
-bool doubted_after(double silence, double moved, AidStatus in_silence = AidStatus::Excluded) {
+bool doubted_after(double silence, double moved, MeasurementStatus in_silence = MeasurementStatus::Excluded) {
     ResultBundle b;
     b.result.counters.gnss_accepted = 100;
     for (int t = 0; t <= 100; ++t) {
@@ -52,16 +53,16 @@ bool doubted_after(double silence, double moved, AidStatus in_silence = AidStatu
         row.time = Time::from_seconds(t);
         row.std_position.setConstant(1.0);
         b.result.forward.rows.push_back(row);
-        fusion::AidRecord r;
-        r.kind = AidKind::GnssPosition;
+        fusion::MeasurementRecord r;
+        r.kind = MeasurementKind::GnssPosition;
         r.time = r.stamp = row.time;
         r.sigma.setConstant(20.0);
-        r.status = AidStatus::Accepted;
+        r.status = MeasurementStatus::Accepted;
         const bool silent = t > 30 && t < 30.0 + silence;
-        if (silent && in_silence == AidStatus::Excluded) continue;
+        if (silent && in_silence == MeasurementStatus::Excluded) continue;
         if (silent) r.status = in_silence;
         if (t > 30) r.innovation.x() = t < 31.0 + silence ? moved : 0.1;
-        b.result.aids.push_back(r);
+        b.result.measurements.push_back(r);
     }
     const std::vector<Concern> concerns = evidence_of(b, {});
     return std::ranges::find(concerns, "gnss.found_again", &Concern::id) != concerns.end();
@@ -69,9 +70,9 @@ bool doubted_after(double silence, double moved, AidStatus in_silence = AidStatu
 
 TEST(Evidence, AFixThatNothingForetoldIsDoubted) {
     EXPECT_TRUE(doubted_after(15.0, 20.0));
-    EXPECT_FALSE(doubted_after(15.0, 4.0));                        // within what the solution claims
-    EXPECT_FALSE(doubted_after(3.0, 20.0));                        // hardly silent
-    EXPECT_FALSE(doubted_after(15.0, 20.0, AidStatus::Withheld));  // by the user, who has the fixes
+    EXPECT_FALSE(doubted_after(15.0, 4.0));                                // within what the solution claims
+    EXPECT_FALSE(doubted_after(3.0, 20.0));                                // hardly silent
+    EXPECT_FALSE(doubted_after(15.0, 20.0, MeasurementStatus::Withheld));  // by the user, who has the fixes
     EXPECT_EQ(gravity_of("gnss.found_again"), Gravity::Care);
 }
 

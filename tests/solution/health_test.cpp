@@ -8,8 +8,8 @@
 namespace schuler::solution {
 namespace {
 
-using filter::AidKind;
-using filter::AidStatus;
+using filter::MeasurementKind;
+using filter::MeasurementStatus;
 
 Time at(double t) { return Time{} + Duration::from_seconds(t); }
 
@@ -17,8 +17,8 @@ ImuSample imu_at(double t, double rate) {
     return {at(t), Eigen::Vector3d(rate, 0.5 * rate, 0.0), Eigen::Vector3d(0.1, rate, -9.8)};
 }
 
-filter::AidRecord record(double t, AidKind kind, AidStatus status) {
-    filter::AidRecord r{};
+filter::MeasurementRecord record(double t, MeasurementKind kind, MeasurementStatus status) {
+    filter::MeasurementRecord r{};
     r.time = r.stamp = at(t);
     r.kind = kind;
     r.status = status;
@@ -46,17 +46,17 @@ TEST(Health, FixesRefusedWithheldLeftOutAndMissing) {
     LoadedDataset data;
     fusion::Result result;
     const auto status = [](int t) {
-        if (t == 7) return AidStatus::Rejected;  // one alone is not a state
-        if (t >= 20 && t < 30) return AidStatus::Rejected;
-        return t >= 40 && t < 50 ? AidStatus::Withheld : AidStatus::Accepted;
+        if (t == 7) return MeasurementStatus::Rejected;  // one alone is not a state
+        if (t >= 20 && t < 30) return MeasurementStatus::Rejected;
+        return t >= 40 && t < 50 ? MeasurementStatus::Withheld : MeasurementStatus::Accepted;
     };
     for (int t = 0; t <= 100; ++t) {
         if (t > 60 && t < 75) continue;  // neither a fix nor a record
         data.recording.gnss.push_back({});
         data.recording.gnss.back().time = at(t);
         if (t > 80 && t < 90) continue;  // a fix that the run never met
-        result.aids.push_back(record(t, AidKind::GnssPosition, status(t)));
-        result.aids.push_back(record(t, AidKind::GnssVelocity, AidStatus::Accepted));
+        result.measurements.push_back(record(t, MeasurementKind::GnssPosition, status(t)));
+        result.measurements.push_back(record(t, MeasurementKind::GnssVelocity, MeasurementStatus::Accepted));
     }
     const std::vector<HealthInterval> all = health_of(data, result);
     using enum SourceState;
@@ -82,12 +82,16 @@ TEST(Health, StatesThatChangeToAndFroAreOneIntervalThatSaysSo) {
     fusion::Result result;
     for (int t = 0; t < 100; ++t) {  // a fifth of a log refused, one by one; then alternating; then one among many
         const bool refused = t < 40 ? t % 5 == 4 : t < 70 ? t % 2 == 0 : t == 85;
-        result.aids.push_back(record(t, AidKind::Baro, refused ? AidStatus::Rejected : AidStatus::Accepted));
+        result.measurements.push_back(
+            record(t, MeasurementKind::Baro, refused ? MeasurementStatus::Rejected : MeasurementStatus::Accepted));
         for (int k = 0; k < 10; ++k)  // ten a second: five used, two refused
-            result.aids.push_back(
-                record(t + 0.1 * k, AidKind::Mag, (10 * t + k) % 7 > 4 ? AidStatus::Rejected : AidStatus::Accepted));
-        result.aids.push_back(record(t, AidKind::Odometer, t % 20 == 3 ? AidStatus::Rejected : AidStatus::Accepted));
-        result.aids.push_back(record(t, AidKind::Heading, t % 2 == 1 ? AidStatus::Withheld : AidStatus::Accepted));
+            result.measurements.push_back(
+                record(t + 0.1 * k, MeasurementKind::Mag,
+                       (10 * t + k) % 7 > 4 ? MeasurementStatus::Rejected : MeasurementStatus::Accepted));
+        result.measurements.push_back(
+            record(t, MeasurementKind::Odometer, t % 20 == 3 ? MeasurementStatus::Rejected : MeasurementStatus::Accepted));
+        result.measurements.push_back(
+            record(t, MeasurementKind::Heading, t % 2 == 1 ? MeasurementStatus::Withheld : MeasurementStatus::Accepted));
     }
     const std::vector<HealthInterval> all = health_of({}, result);
     using enum SourceState;
@@ -104,10 +108,10 @@ TEST(Health, StatesThatChangeToAndFroAreOneIntervalThatSaysSo) {
 TEST(Health, WhatWasNeverUsedIsNotPartlySo) {
     fusion::Result result;
     for (int t = 0; t < 100; ++t)
-        result.aids.push_back(record(t, AidKind::Baro,
-                                     t == 50   ? AidStatus::Rejected
-                                     : t == 51 ? AidStatus::Withheld
-                                               : AidStatus::Accepted));
+        result.measurements.push_back(record(t, MeasurementKind::Baro,
+                                             t == 50   ? MeasurementStatus::Rejected
+                                             : t == 51 ? MeasurementStatus::Withheld
+                                                       : MeasurementStatus::Accepted));
     using enum SourceState;
     expect_spans(health_of({}, result), "baro", {{Used, 0, 49}, {Refused, 50, 51}, {Used, 52, 99}});
 }
@@ -115,7 +119,7 @@ TEST(Health, WhatWasNeverUsedIsNotPartlySo) {
 TEST(Health, OneFixInALongSilenceIsSeen) {
     fusion::Result result = run_of_1000_s();
     for (int t = 100; t <= 900; t += t == 300 || t == 600 ? 300 : 1)  // fixes up to 300, one at 600, and from 900 on none
-        result.aids.push_back(record(t, AidKind::GnssVelocity, AidStatus::Accepted));
+        result.measurements.push_back(record(t, MeasurementKind::GnssVelocity, MeasurementStatus::Accepted));
     using enum SourceState;
     expect_spans(health_of({}, result), "gnss_velocity",
                  {{Silent, 0, 100},
@@ -133,7 +137,8 @@ TEST(Health, FixesLeftOutAtTheEndsOfTheRunAreShown) {
     for (int t = -50; t <= 1100; ++t) {
         data.recording.gnss.push_back({});
         data.recording.gnss.back().time = at(t);
-        if (t >= 200 && t <= 700) result.aids.push_back(record(t, AidKind::GnssPosition, AidStatus::Accepted));
+        if (t >= 200 && t <= 700)
+            result.measurements.push_back(record(t, MeasurementKind::GnssPosition, MeasurementStatus::Accepted));
     }
     using enum SourceState;
     expect_spans(health_of(data, result), "gnss_position", {{LeftOut, 0, 199}, {Used, 200, 700}, {LeftOut, 701, 1000}});
@@ -147,7 +152,7 @@ TEST(Health, TheEndIsThatOfTheInertialLogWhereNoRowsWereKept) {
     fusion::Result result;
     for (int i = 0; i <= 1000; ++i) data.recording.imu.push_back(imu_at(0.1 * i, 0.01 * std::sin(1.7 * i)));
     result.findings.started_at = at(10.0);
-    for (int t = 10; t <= 40; ++t) result.aids.push_back(record(t, AidKind::Baro, AidStatus::Accepted));
+    for (int t = 10; t <= 40; ++t) result.measurements.push_back(record(t, MeasurementKind::Baro, MeasurementStatus::Accepted));
     using enum SourceState;
     expect_spans(health_of(data, result), "baro", {{Used, 10, 40}, {Silent, 40, 100}});
 }
@@ -156,8 +161,9 @@ TEST(Health, PartsOfAFixOfDifferentAgesAreOneSample) {
     LoadedDataset data;
     fusion::Result result;
     for (int t = 0; t < 10; ++t) {
-        result.aids.push_back(record(t, AidKind::GnssPosition, AidStatus::Accepted));
-        result.aids.push_back(record(t, AidKind::GnssPosition, t < 5 ? AidStatus::Accepted : AidStatus::Rejected));
+        result.measurements.push_back(record(t, MeasurementKind::GnssPosition, MeasurementStatus::Accepted));
+        result.measurements.push_back(
+            record(t, MeasurementKind::GnssPosition, t < 5 ? MeasurementStatus::Accepted : MeasurementStatus::Rejected));
     }
     const std::vector<HealthInterval> all = health_of(data, result);
     expect_spans(all, "gnss_position", {{SourceState::Used, 0, 4}, {SourceState::Refused, 5, 9}});
@@ -189,9 +195,10 @@ TEST(Health, AReceiverIsInDisputeWhereItsVelocitiesAreRefusedForSeconds) {
         for (int k = 0; k < 600; ++k) {
             const double t = 0.5 * k;
             const bool briefly = t > 40.2 && t<42.3, for_a_while = t> 200.2 && t < until;
-            result.aids.push_back(record(t, AidKind::GnssPosition, AidStatus::Accepted));
-            result.aids.push_back(
-                record(t, AidKind::GnssVelocity, briefly || for_a_while ? AidStatus::Rejected : AidStatus::Accepted));
+            result.measurements.push_back(record(t, MeasurementKind::GnssPosition, MeasurementStatus::Accepted));
+            result.measurements.push_back(
+                record(t, MeasurementKind::GnssVelocity,
+                       briefly || for_a_while ? MeasurementStatus::Rejected : MeasurementStatus::Accepted));
         }
         return disputes_of(health_of({}, result));
     };

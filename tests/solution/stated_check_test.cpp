@@ -40,7 +40,7 @@ std::optional<LeverArmDoubt> doubt_of(const Case& c) {
     config.filter = settings_of(scenario);
     give_start(config.filter, recording, c.seed);
     if (c.straight) config.filter.initial.std_rpy.z() = 0.7;
-    if (c.aloft) config.filter.aids.nonholonomic = config.filter.aids.nonholonomic_auto = false;
+    if (c.aloft) config.filter.constraints.nonholonomic = config.filter.constraints.nonholonomic_auto = false;
     config.filter.gnss.lever_arm_b = c.said;
     if (c.shaken) {
         config.filter.gnss.latency = 0.0;

@@ -54,7 +54,7 @@ TEST(CompareWindows, RecoveryIsWhereTheErrorIsAndStaysBelowTheLimit) {
     // a fall below the limit of 4 s is none, one of 5 s is
     EXPECT_EQ(of([](double t) { return t < 210.0 ? 30.0 : t <= 214.0 ? 1.0 : t < 230.0 ? 30.0 : 1.0; }).recovery, 30.0);
     EXPECT_EQ(of([](double t) { return t < 210.0 ? 30.0 : t <= 215.0 ? 1.0 : t < 230.0 ? 30.0 : 1.0; }).recovery, 10.0);
-    // good at the end, but drifting out of the limit before the aid is back
+    // good at the end, but drifting out of the limit before the source is back
     EXPECT_EQ(of([](double t) { return t <= 202.0 ? 19.0 : t < 206.0 ? 21.0 : 1.0; }).recovery, 6.0);
     // the epoch of the end, with the last digits that a time in seconds has
     const std::vector<double> six(6, 1.0);

@@ -171,7 +171,7 @@ std::vector<MonteCarloRun> invented_runs(std::size_t count) {
         nis.dof = 3.0;
         nis.accepted = 10 + k;
         nis.rejected = k % 2;
-        run.aids.push_back({"baro", nis});
+        run.measurements.push_back({"baro", nis});
         if (k % 4 == 1) run.warnings.add("topic", fmt::format("run {} is odd", k));
         analysis::OutageStatistics outage{};
         outage.end_horizontal = std::abs(random.normal());

@@ -12,14 +12,9 @@ export function labelOf(key: string): string {
 
 const nameOf = (section: string) => maybe(`section.${section}`, section.replaceAll(".", " ").replaceAll("_", " "));
 
-/** Options that only some trajectories have say so: "car, waypoints: radius of the corners". */
-export function kindsOf(option: Option, kinds: string[]): string[] | null {
-  const flights = ["takeoff", "racetrack", "approach"];
-  const head = /^([a-z0-9_, ]+): /
-    .exec(option.help)?.[1]
-    ?.split(", ")
-    .flatMap((k) => (k === "flights" ? flights : [k]));
-  return head && head.every((k) => kinds.includes(k)) ? head : null;
+/** The kinds of trajectories that use an option; null: all. */
+export function kindsOf(option: Option): string[] | null {
+  return /^trajectory\.type: (.+)$/.exec(option.applies ?? "")?.[1]?.split(", ") ?? null;
 }
 
 function shownValue(v: Json): string {
@@ -86,7 +81,6 @@ export class OptionForm {
     onInput: () => this.filter(),
   });
   private readonly onlySet = h("input", { type: "checkbox", onChange: () => this.filter() });
-  private readonly kinds: string[];
   private readonly first: string[];
   /** Fields whose text is no value: what is used is still the one before. */
   private readonly wrong = new Set<string>();
@@ -101,7 +95,6 @@ export class OptionForm {
     /** Options that stand first, open. */
     first: string[] = [],
   ) {
-    this.kinds = options.find((o) => o.key === "trajectory.type")?.choices ?? [];
     this.first = first.filter((key) => options.some((o) => o.key === key));
     append(this.element, h("div", { class: "form-tools" }, this.search, h("label", null, this.onlySet, t("form.only_set"))));
     const main = this.first.length > 0 ? this.section("main", true) : null;
@@ -298,7 +291,7 @@ export class OptionForm {
     if (now.problem) this.blame(now.problem);
     const kind = String(this.settings["trajectory.type"] ?? this.used["trajectory.type"] ?? "");
     for (const { option, row } of this.fields.values()) {
-      const kinds = kindsOf(option, this.kinds);
+      const kinds = kindsOf(option);
       row.classList.toggle("other-kind", kinds !== null && !kinds.includes(kind));
     }
     for (const section of this.sections.values())

@@ -1,4 +1,4 @@
-// A gyro bias that is too large for the filters to tell from a rotation, found where the sensor rests.
+// A gyro bias that is too large for the filters to distinguish from a rotation, found where the sensor rests.
 #pragma once
 
 #include "schuler/ahrs/settings.h"

@@ -5,7 +5,7 @@
 // with its covariance). The velocity measurement is zero, with a large sigma in motion and a small one at rest, or the forward
 // speed of a vehicle if given: the centripetal correction. No magnetic quantity is used.
 //
-// A sensor that keeps its attitude cannot tell an accelerometer bias b from a tilt of b/g, and the tilt's covariance without it
+// A sensor that keeps its attitude cannot distinguish an accelerometer bias b from a tilt of b/g, and the tilt's covariance without it
 // would shrink far below that. The bias is considered, not estimated: the velocity of a hand varies with the attitude of the
 // sensor (a swinging arm), which looks like a bias fixed to the body. The sensitivity of all errors to it is computed along with
 // the gains, which it does not change, and its share is added to the published covariance.

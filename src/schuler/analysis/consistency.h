@@ -47,7 +47,7 @@ struct InnovationSample {
     Eigen::Vector3d standardised = Eigen::Vector3d::Zero();  ///< components divided by their predicted sigma
 };
 
-/// The `nis` of one aid in summary.json. mean, dof and lag1 are those of the accepted ones.
+/// The `nis` of one kind of measurement in summary.json. mean, dof and lag1 are those of the accepted ones.
 struct NisStatistics {
     double mean = std::numeric_limits<double>::quiet_NaN();
     double dof = std::numeric_limits<double>::quiet_NaN();  ///< mean number of components

@@ -1,4 +1,4 @@
-// Performance of a solution in outages of an aid.
+// Performance of a solution in outages of a measurement source.
 #pragma once
 
 #include "schuler/analysis/errors.h"
@@ -12,7 +12,7 @@
 
 namespace schuler::analysis {
 
-/// An aid is withheld at start < t < start + duration.
+/// A source is withheld at start < t < start + duration.
 struct OutageSpan {
     Time start;
     Duration duration;
@@ -43,7 +43,7 @@ struct OutageStatistics {
 [[nodiscard]] OutageStatistics outage_statistics(const OutageSpan& span, std::span<const OutageError> errors);
 
 /// Errors at the reference epochs inside an outage and at the first one at or after its end. There the solution is taken before
-/// the aid returned: with `updates_jump` (a forward solution) the first of two rows of the same time, or the last row before the
+/// the source returned: with `updates_jump` (a forward solution) the first of two rows of the same time, or the last row before the
 /// epoch extrapolated by its velocity; otherwise (smoothed) the solution itself.
 [[nodiscard]] std::vector<OutageError> outage_errors(const earth::Earth& earth, std::span<const SolutionRow> rows,
                                                      std::span<const ReferenceSample> reference, const OutageSpan& span,

@@ -258,7 +258,7 @@ report::Outcome process_batch(const BatchRequest& request) {
                                      {"index.html", page_of(entries, out.folder, request.common.version)}})
         report::write_text(out.files.emplace_back(out.folder / name), text);
     out.usable = failed + unusable == 0;
-    out.verdict = fmt::format("{} data sets: {} failed, {} not to be used", entries.size(), failed, unusable);
+    out.verdict = fmt::format("{} data sets: {} failed, {} rejected (verdict: do not use)", entries.size(), failed, unusable);
     return out;
 }
 

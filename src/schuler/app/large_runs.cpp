@@ -51,7 +51,7 @@ std::string notice_of_size(const settings::SettingList& given) {
         const double seconds = samples * seconds_per_sample + fixes * seconds_per_fix + ranges * seconds_per_range;
         const double bytes = (samples + fixes + ranges) * bytes_per_sample;
         if (seconds < long_time && bytes < much_memory) return {};
-        return fmt::format("{:.2g} samples of the IMU, {:.2g} fixes{} a run: about {} {} and {:.1f} GB of memory", samples, fixes,
+        return fmt::format("{:.2g} IMU samples, {:.2g} fixes{} a run: about {} {} and {:.1f} GB of memory", samples, fixes,
                            ranges > 0.0 ? fmt::format(", {:.2g} ranges", ranges) : "", time_text(seconds),
                            runs > 1.0 ? "each" : "on one core", bytes / 1e9);
     } catch (const Error&) {

@@ -26,7 +26,7 @@ report::Outcome run_live_config(const LiveRequest& request) {
                             [](const live::OutputSettings& o) { return o.to.medium == live::Medium::Standard; }))
         return out;
     out.tables = fmt::format(
-        "{:.1f} s: {} samples of the IMU, {} fixes, {}; {} unparseable records, {} reconnections, {} messages dropped\n"
+        "{:.1f} s: {} IMU samples, {} fixes, {}; {} unparseable records, {} reconnections, {} messages dropped\n"
         "from a sample's arrival to its message: median {} ms, 99.9 % {} ms\n",
         r.seconds, r.imu, r.fixes, live::name_of(r.phase), r.garbage, r.reconnections, r.dropped,
         report::table_cell(1e3 * r.latency_median), report::table_cell(1e3 * r.latency_999));

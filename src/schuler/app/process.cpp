@@ -75,7 +75,7 @@ bool check_itself(solution::ResultBundle& bundle, const fusion::RowSink& rows, W
             "self_check.widened",
             fmt::format(
                 "with fixes withheld the errors are larger than the sigmas: the noise of the gyros is taken {:.3g} times and that "
-                "of the accelerometers {:.3g} times as large (windows that had no part in it: {:.1f} % of the epochs inside three "
+                "of the accelerometers {:.3g} times as large (validation windows: {:.1f} % of the epochs inside three "
                 "sigma, {:.1f} % before)",
                 check.tried->gyro, check.tried->accel, 100.0 * check.coverage.epochs.share(),
                 100.0 * check.before->epochs.share()));

@@ -12,7 +12,7 @@
 #include "schuler/io/solution/kfgins.h"
 #include "schuler/io/solution/rtklib_pos.h"
 #include "schuler/io/streams.h"
-#include "schuler/io/text/csv/csv_aids.h"
+#include "schuler/io/text/csv/csv_instruments.h"
 
 #include <fmt/format.h>
 
@@ -152,10 +152,10 @@ void read_gnss(const fs::path& folder, const Description& d, const Reading& read
     out.fix_height = log->height;
 }
 
-/// Reads an aid. A file that nobody named must not stop the run: it is left out, and told.
+/// Reads a companion log. A file that nobody named must not stop the run: it is left out, and told.
 template <class Read>
-void read_aid(const char* section, const FileSource& source, const Reading& reading, ReadFiles& out, WarningLog& warnings,
-              const Read& read) {
+void read_companion(const char* section, const FileSource& source, const Reading& reading, ReadFiles& out, WarningLog& warnings,
+                    const Read& read) {
     if (source.file.empty()) return;
     try {
         read();
@@ -170,15 +170,15 @@ void read_aid(const char* section, const FileSource& source, const Reading& read
 
 void read_others(const fs::path& folder, const Description& d, const Reading& reading, io::LogFiles& logs, ReadFiles& out,
                  WarningLog& warnings) {
-    const auto aid = [&](const char* section, const FileSource& source, const auto& read) {
-        read_aid(section, source, reading, out, warnings, read);
+    const auto companion = [&](const char* section, const FileSource& source, const auto& read) {
+        read_companion(section, source, reading, out, warnings, read);
     };
-    aid("baro", d.baro, [&] {
+    companion("baro", d.baro, [&] {
         out.recording.baro = joined(folder, d.baro, "baro", logs, warnings, [&](const io::TextInput& input) {
             return io::read_baro_csv(input, csv_options(d.baro, d, reading), warnings).samples;
         });
     });
-    aid("mag", d.mag, [&] {
+    companion("mag", d.mag, [&] {
         out.recording.mag = joined(folder, d.mag, "mag", logs, warnings, [&](const io::TextInput& input) {
             return io::read_mag_csv(input, csv_options(d.mag, d, reading), warnings).samples;
         });
@@ -189,11 +189,11 @@ void read_others(const fs::path& folder, const Description& d, const Reading& re
         for (auto& sample : samples) sample.time = sample.time + Duration::from_seconds(source.time_offset);
         return samples;
     };
-    aid("odometer", d.odometer, [&] {
+    companion("odometer", d.odometer, [&] {
         out.recording.odometer =
             moved(io::read_odometer_csv(io::TextInput(resolved(folder, d.odometer.file, "odometer.file"))), d.odometer);
     });
-    aid("heading", d.heading, [&] {
+    companion("heading", d.heading, [&] {
         out.recording.heading =
             moved(io::read_compass_csv(io::TextInput(resolved(folder, d.heading.file, "heading.file"))), d.heading);
     });
@@ -207,7 +207,7 @@ void read_others(const fs::path& folder, const Description& d, const Reading& re
                               "leave out one of them");
         out.recording.heading = io::read_compass_csv(io::TextInput(resolved(folder, reading.compass, "compass.file")));
     }
-    aid("reference", d.reference, [&] {
+    companion("reference", d.reference, [&] {
         out.recording.reference = read_reference(logs.open(resolved(folder, d.reference.file, "reference.file"), warnings),
                                                  csv_options(d.reference, d, reading), warnings);
     });

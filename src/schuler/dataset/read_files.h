@@ -33,7 +33,7 @@ struct ReadFiles {
     CarrierPhase carrier;             ///< its fixes are those of the recording, if there is a base
     std::optional<ImuKind> imu_kind;  ///< empty without an IMU log
     io::HeightKind fix_height = io::HeightKind::Unstated;
-    std::vector<std::string> left_out;  ///< sections of found aids that cannot be read
+    std::vector<std::string> left_out;  ///< sections of found measurements that cannot be read
 };
 
 /// Relative paths are based on `folder`. Times are those of the files, shifted by their offsets; dated fixes are converted to the

@@ -1,4 +1,4 @@
-// What measurements tell about the errors at the start of a filter: a smoother of one fixed point, beside the filter.
+// Information of the measurements about the errors at the start of a filter: a smoother of one fixed point, beside the filter.
 #pragma once
 
 #include "schuler/estim/transition.h"

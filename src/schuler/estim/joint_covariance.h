@@ -1,4 +1,4 @@
-// Covariance of the errors that one source causes in a filter which does not know it: under the filter's transitions and gains,
+// Covariance of the errors that one source causes in a filter that does not model it: under the filter's transitions and gains,
 // together with the processes of the source. Steps between two updates are gathered into one, and the updates of one epoch likewise.
 #pragma once
 

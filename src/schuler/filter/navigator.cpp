@@ -40,7 +40,7 @@ Refusal unusable(const Start& start) {
 Refusal unusable_probability(const Settings& s) {
     using enum MakeStatus;
     const auto is_usable = [](double p) { return 1.0 - p > 0.0 && 1.0 - p < 1.0; };  // neither is one nor rounds to one
-    if (!(s.aids.gate_probability == 0.0 || is_usable(s.aids.gate_probability)))
+    if (!(s.constraints.gate_probability == 0.0 || is_usable(s.constraints.gate_probability)))
         return {BadSettings, "filter.gate_probability", "the probability is to be from 0 to below 1"};
     if (s.integrity.use && !is_usable(s.integrity.false_alarm))
         return {BadSettings, "filter.integrity.false_alarm", "the probability is to be between 0 and 1"};

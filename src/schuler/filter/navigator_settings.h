@@ -62,8 +62,8 @@ struct NavigatorEvent {
         Refused,       ///< a sample of `source` was rejected: `status`
         Hole,          ///< gap of `seconds` in the IMU data, bridged
         Hang,          ///< IMU data are frozen
-        Aid,           ///< a measurement `aid` was not used: `aid_status`
-        Alert,         ///< of the integrity monitor: `aid`, `test`
+        Measurement,   ///< a `measurement` was not used: `measurement_status`
+        Alert,         ///< of the integrity monitor: `measurement`, `test`
         Reconsidered,  ///< of two hypotheses about refused fixes (navigation or receiver wrong), the alternative is now accepted
         Diverged,      ///< the computation produced invalid numbers: it restarts
         Restarted      ///< the time axis was discontinuous: it restarts
@@ -73,8 +73,8 @@ struct NavigatorEvent {
     filter::Phase phase = filter::Phase::WaitingForImu;
     Source source = Source::Imu;
     FeedStatus status = FeedStatus::Taken;
-    AidKind aid = AidKind::GnssPosition;
-    AidStatus aid_status = AidStatus::Accepted;
+    MeasurementKind measurement = MeasurementKind::GnssPosition;
+    MeasurementStatus measurement_status = MeasurementStatus::Accepted;
     IntegrityTest test = IntegrityTest::Tolerance;
     double seconds = 0.0;
 };

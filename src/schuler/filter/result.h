@@ -17,7 +17,7 @@
 namespace schuler::filter {
 
 /// Excluded: rejected because the integrity monitor has excluded the channel.
-enum class AidStatus { Accepted, Rejected, Withheld, Excluded };
+enum class MeasurementStatus { Accepted, Rejected, Withheld, Excluded };
 
 /// Finding: a failed test of the integrity monitor (IntegritySettings), or the explanation of refused fixes.
 enum class IntegrityTest {
@@ -26,7 +26,7 @@ enum class IntegrityTest {
     Slow,
     Readmitted,  ///< the channel is used again
     Returned,    ///< the receiver's fault has ended: the estimate is opened and follows it
-    Unjudged,    ///< from here on: the solution of the separate scheme is too tilted to judge a fix
+    Unjudged,    ///< from here on: the solution of the uncoupled scheme is too tilted to judge a fix
     Jump,        ///< positions jumped to another level, not sensed by the inertial unit
     JumpBack,    ///< ... and came back
     OtherLevel,  ///< the level after a jump has been held longer than the one before and is now accepted
@@ -36,18 +36,18 @@ enum class IntegrityTest {
 
 /// A fault, its origin and time.
 struct Alert {
-    Time time;     ///< of the fix
-    AidKind kind;  ///< GnssPosition or GnssVelocity
+    Time time;             ///< of the fix
+    MeasurementKind kind;  ///< GnssPosition or GnssVelocity
     IntegrityTest test;
     double size = 0.0;  ///< m or m/s, size of the fault found from refused fixes
 };
 
 /// One measurement epoch as processed by the filter.
-struct AidRecord {
+struct MeasurementRecord {
     Time time;   ///< validity time
     Time stamp;  ///< time in the log
-    AidKind kind;
-    AidStatus status;
+    MeasurementKind kind;
+    MeasurementStatus status;
     int dof = 0;      ///< number of used components; the others have sigma 0 (GNSS: north, east, down in their places)
     int source = -1;  ///< of a range: index into RangingLog::sources
     Eigen::Vector3d innovation = Eigen::Vector3d::Zero();   ///< estimate minus measured (NED for GNSS), before its own update
@@ -127,7 +127,7 @@ struct CarrierRow {
     Time time{};
     int phases = 0, slipped = 0;  ///< used; begun anew because they contradicted the others and the inertial prediction
     int ambiguities = 0;          ///< of them that may be integers
-    int held = 0;                 ///< whose integer the filter knows
+    int held = 0;                 ///< with a fixed integer
     double ratio = 0.0;           ///< of the search for integers; 0: none
     bool doubted = false;         ///< most phases contradicted the inertial prediction, which was opened
 };
@@ -205,9 +205,9 @@ struct Result {
     Trajectory smoothed;                   ///< empty unless Settings::smooth
     std::vector<SolutionRow>
         backward;  ///< of the backward filter before the fix at each time, in order of time; see Settings::backward
-    std::vector<AidRecord> aids;  ///< of the forward pass
-    std::vector<Alert> alerts;    ///< start and end of exclusions
-    std::vector<Time> legs;       ///< first inertial sample of each separately navigated part, in order; one without pauses
+    std::vector<MeasurementRecord> measurements;  ///< of the forward pass
+    std::vector<Alert> alerts;                    ///< start and end of exclusions
+    std::vector<Time> legs;  ///< first inertial sample of each separately navigated part, in order; one without pauses
     Findings findings;
     Counters counters;
     double filter_seconds = 0.0;  ///< wall time of the forward pass alone, for timing only

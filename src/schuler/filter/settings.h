@@ -179,7 +179,7 @@ struct InitialSettings {
 };
 
 /// Constraints and gates.
-struct AidSettings {
+struct ConstraintSettings {
     bool zero_velocity = true;                ///< zero-velocity and zero-rate updates when the log shows a standstill
     double zero_velocity_std = 0.01;          ///< m/s
     double zero_rate_std = 1e-3;              ///< rad/s, added to the gyro noise
@@ -199,7 +199,7 @@ struct AidSettings {
     int recovery_count = 10;        ///< ... if there are at least this number
 };
 
-/// The separate scheme: corrections with fixed, non-optimal gains.
+/// The uncoupled scheme: corrections with fixed, non-optimal gains.
 struct SeparateSettings {
     double restart_period = 0.0;  ///< s between resets of position and velocity to the fix; 0: continuous correction
     double position_time = 30.0;  ///< s, time constant of the continuous correction of the position
@@ -260,7 +260,7 @@ struct Settings {
     GaugeSettings gauges;
     LogSettings log;
     DisturbanceSettings disturbance;
-    AidSettings aids;
+    ConstraintSettings constraints;
     InitialSettings initial;
     std::optional<Time> start, stop;  ///< absolute, on the data set's axis
     std::vector<Outage> outages;      ///< relative to the first GNSS epoch

@@ -156,7 +156,7 @@ std::optional<Level> carried_level(const RunData& data, const Settings& settings
     };
     std::vector<Point> points;
     for (const Event& e : data.events) {
-        if (e.kind != AidKind::GnssVelocity || e.withheld || e.components != 7 || e.valid < start.nav.time) continue;
+        if (e.kind != MeasurementKind::GnssVelocity || e.withheld || e.components != 7 || e.valid < start.nav.time) continue;
         const double t = (e.valid - start.nav.time).seconds();
         if (t > span + 1.0) break;
         points.push_back({t, data.recording->gnss[e.index].velocity_n, data.fix_noise[e.index].velocity.maxCoeff()});

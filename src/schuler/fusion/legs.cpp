@@ -186,7 +186,7 @@ void append(Result& all, Result&& leg) {
     join(all.smoothed, leg.smoothed, same);
     join(all.cross_checks, leg.cross_checks);
     join(all.backward, leg.backward);
-    join(all.aids, leg.aids);
+    join(all.measurements, leg.measurements);
     join(all.alerts, leg.alerts);
     Counters& n = all.counters;
     const Counters& m = leg.counters;

@@ -62,18 +62,20 @@ public:
                                                        ? at_point(run.filter, run.covariance(model_))
                                                        : solution_row(reported(model_, run.filter, run.undecided(model_)))});
     }
-    void outage_epoch(const FilterRun<Frame>& run, const Event& event, const Measurement& m, const AidRecord& r) override {
+    void outage_epoch(const FilterRun<Frame>& run, const Event& event, const Measurement& m,
+                      const MeasurementRecord& r) override {
         result_.forward.outage_epochs.push_back(
             {event.outage, event.stamp, event.outage_end, r.innovation, r.sigma, r.sigma_state,
              run.filter.sigma_apart(model_, run.filter.to_own(model_, m), run.undecided(model_))});
     }
-    void aid(const AidRecord& r) override {
-        result_.aids.push_back(r);
-        if (r.kind != AidKind::GnssPosition || !(r.sigma.x() > 0.0)) return;  // a height with its own age is not a separate epoch
+    void measurement(const MeasurementRecord& r) override {
+        result_.measurements.push_back(r);
+        if (r.kind != MeasurementKind::GnssPosition || !(r.sigma.x() > 0.0))
+            return;  // a height with its own age is not a separate epoch
         ++result_.counters.gnss_epochs;
-        ++(r.status == AidStatus::Accepted   ? result_.counters.gnss_accepted
-           : r.status == AidStatus::Withheld ? result_.counters.gnss_withheld
-                                             : result_.counters.gnss_rejected);
+        ++(r.status == MeasurementStatus::Accepted   ? result_.counters.gnss_accepted
+           : r.status == MeasurementStatus::Withheld ? result_.counters.gnss_withheld
+                                                     : result_.counters.gnss_rejected);
     }
     void alert(const Alert& a) override { result_.alerts.push_back(a); }
     void ranges(const FilterRun<Frame>& run, const RangeEpoch& epoch) override {
@@ -84,7 +86,7 @@ public:
         ++(work.withheld              ? result_.counters.gnss_withheld
            : 2 * out < work.count + 1 ? result_.counters.gnss_accepted
                                       : result_.counters.gnss_rejected);
-        for (const RangeScalar& s : work.all()) result_.aids.push_back(record_of(s, run.filter.time(), epoch.time));
+        for (const RangeScalar& s : work.all()) result_.measurements.push_back(record_of(s, run.filter.time(), epoch.time));
         if (settings_.ranging.protection.use) protect(run, epoch);
         if (!options_.after_ranges) return;
         const NavState nav = run.filter.geographic(model_);
@@ -108,13 +110,13 @@ private:
     [[nodiscard]] SolutionRow at_point(const Filter& f, const Matrix9& P) const {
         return solution_row_at(model_, f, P, settings_.output_lever_arm_b, imu_interval_);
     }
-    static AidRecord record_of(const RangeScalar& s, Time time, Time stamp) {
-        AidRecord r;
+    static MeasurementRecord record_of(const RangeScalar& s, Time time, Time stamp) {
+        MeasurementRecord r;
         r.time = time;
         r.stamp = stamp;
-        r.kind = s.is_rate ? AidKind::RangeRate : AidKind::Pseudorange;
+        r.kind = s.is_rate ? MeasurementKind::RangeRate : MeasurementKind::Pseudorange;
         r.source = s.source;
-        r.status = s.use ? AidStatus::Accepted : AidStatus::Rejected;
+        r.status = s.use ? MeasurementStatus::Accepted : MeasurementStatus::Rejected;
         r.dof = 1;
         r.sigma(0) = s.use ? std::sqrt(s.s) : std::sqrt(s.variance);
         r.innovation(0) = s.use ? s.sequential * r.sigma(0) : s.innovation;

@@ -10,20 +10,21 @@
 namespace schuler::fusion {
 namespace {
 
-bool is_position(const AidRecord& r) { return r.kind == AidKind::GnssPosition; }
+bool is_position(const MeasurementRecord& r) { return r.kind == MeasurementKind::GnssPosition; }
 
 }  // namespace
 
 bool may_realign(const Settings& s) {
-    return !uses_ranges(s.coupling) && s.coupling != Coupling::Separate && !s.integrity.use && s.aids.gate_probability > 0.0;
+    return !uses_ranges(s.coupling) && s.coupling != Coupling::Separate && !s.integrity.use &&
+           s.constraints.gate_probability > 0.0;
 }
 
 PositionCount positions_after(const Result& result, Time since) {
     PositionCount n;
-    for (const AidRecord& r : result.aids) {
+    for (const MeasurementRecord& r : result.measurements) {
         if (!is_position(r) || r.time <= since) continue;
-        n.used += r.status == AidStatus::Accepted ? 1 : 0;
-        n.refused += r.status == AidStatus::Rejected ? 1 : 0;
+        n.used += r.status == MeasurementStatus::Accepted ? 1 : 0;
+        n.refused += r.status == MeasurementStatus::Rejected ? 1 : 0;
     }
     return n;
 }
@@ -40,12 +41,12 @@ std::optional<Time> diverged_at(const Result& result) {
         if (a.test != IntegrityTest::Navigation) continue;
         PositionCount n;
         std::optional<Time> before;
-        for (const AidRecord& r : result.aids) {
+        for (const MeasurementRecord& r : result.measurements) {
             if (!is_position(r) || (r.time - a.time).seconds() > span) continue;
             if (r.time > a.time) {
-                n.used += r.status == AidStatus::Accepted ? 1 : 0;
-                n.refused += r.status == AidStatus::Rejected ? 1 : 0;
-            } else if (r.status == AidStatus::Accepted) {
+                n.used += r.status == MeasurementStatus::Accepted ? 1 : 0;
+                n.refused += r.status == MeasurementStatus::Rejected ? 1 : 0;
+            } else if (r.status == MeasurementStatus::Accepted) {
                 before = r.time;
             }
         }

@@ -24,9 +24,9 @@ Settings of_receiver(const Settings& settings) {
     s.imu.errors.accel_noise = settings.ranging.receiver_acceleration;
     s.gnss.lever_arm_b.setZero();
     s.ranging.protection.use = false;
-    s.aids = {};
-    s.aids.gate_probability = settings.aids.gate_probability;
-    s.aids.recovery_time = settings.aids.recovery_time;
+    s.constraints = {};
+    s.constraints.gate_probability = settings.constraints.gate_probability;
+    s.constraints.recovery_time = settings.constraints.recovery_time;
     return s;
 }
 
@@ -36,7 +36,7 @@ ReceiverFilter::ReceiverFilter(const Settings& settings, const RangingLog& log)
     : log_(log),
       settings_(of_receiver(settings)),
       model_(make_model(settings_, make_layout(settings_, {}))),
-      test_(settings_.aids.gate_probability, settings_.aids.recovery_time),
+      test_(settings_.constraints.gate_probability, settings_.constraints.recovery_time),
       update_(model_, settings_.ranging, settings_.gnss.lever_arm_b, test_) {}
 
 bool ReceiverFilter::start(const RangeEpoch& epoch, std::span<const RangeSample> samples) {

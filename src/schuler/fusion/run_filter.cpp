@@ -32,7 +32,7 @@ using Eigen::Vector3d;
 
 /// Settings incompatible with the smoother: its backward pass requires every correction of the estimate to be an optimal update.
 const char* unsmoothable(const Settings& s) {
-    if (s.coupling == Coupling::Separate) return "with the separate scheme, whose gains are not those of a filter";
+    if (s.coupling == Coupling::Separate) return "with the uncoupled scheme, whose gains are not those of a filter";
     if (s.loose_kind == LooseKind::Aggressive && s.coupling == Coupling::Loose)
         return "with aggressive coupling, which uses a fix in parts";
     if (considers(s)) return "with gnss.consider_errors, whose gains are not those of a filter";
@@ -42,7 +42,7 @@ const char* unsmoothable(const Settings& s) {
 
 /// Settings incompatible with the filter backward in time.
 const char* irreversible(const Settings& s) {
-    if (s.coupling == Coupling::Separate) return "with the separate scheme, whose gains are not those of a filter";
+    if (s.coupling == Coupling::Separate) return "with the uncoupled scheme, whose gains are not those of a filter";
     if (s.coupling == Coupling::Deep) return "with deep coupling, whose receiver cannot be taken back";
     return nullptr;
 }
@@ -273,7 +273,7 @@ Result run_leg(const Recording& recording, const Settings& given, WarningLog& wa
                 "mounting",
                 "the mounting of the IMU cannot be found: the vehicle hardly moves, or not in one direction of its own; the axes of "
                 "the IMU are taken as the vehicle's, and the vehicle constraint is left out");
-            settings.aids.nonholonomic = settings.aids.nonholonomic_auto = false;
+            settings.constraints.nonholonomic = settings.constraints.nonholonomic_auto = false;
         }
     }
     start.std_mounting = settings.imu.mounting_std;
@@ -351,7 +351,7 @@ Result run_leg(const Recording& recording, const Settings& given, WarningLog& wa
         warnings.add(
             "gnss.unjudged",
             fmt::format(
-                "from {:.0f} s on the receiver is used without judgement: the separate scheme does not correct its attitude, and "
+                "from {:.0f} s on the receiver is used without judgement: the uncoupled scheme does not correct its attitude, and "
                 "its tilt became uncertain by more than {:.0f} deg; choose --scheme loose",
                 (unjudged->time - origin).seconds(), filter::most_tilt_judged / units::deg));
     return result;

@@ -126,13 +126,13 @@ void smooth_back(const Pass<Frame>& pass, const InertialModel& model, const Sett
     std::ranges::reverse(out.outage_epochs);
 }
 
-bool is_refused_fix(const AidRecord& r) { return is_part_of_fix(r.kind) && r.status == AidStatus::Rejected; }
+bool is_refused_fix(const MeasurementRecord& r) { return is_part_of_fix(r.kind) && r.status == MeasurementStatus::Rejected; }
 
 /// Propagates the covariance when the tape does.
 template <class Frame>
 struct Rehearsal : PassObserver<Frame> {
     [[nodiscard]] bool wants_all_states(Time) const override { return true; }
-    void aid(const AidRecord& r) override { refused += is_refused_fix(r) ? 1 : 0; }
+    void measurement(const MeasurementRecord& r) override { refused += is_refused_fix(r) ? 1 : 0; }
     std::ptrdiff_t refused = 0;
 };
 
@@ -207,7 +207,8 @@ Result run_in(const RunData& data, const Settings& settings, const Start& start,
         const double rows = settings.output_rate > 0.0 ? n * data.imu.median_dt * settings.output_rate : n;
         result.forward.rows.reserve(static_cast<std::size_t>(std::min(rows * 1.1 + 16.0, n + 16.0)));
     }
-    result.aids.reserve(data.events.size() + (uses_ranges(settings.coupling) ? 2 * data.recording->ranges.samples.size() : 0));
+    result.measurements.reserve(data.events.size() +
+                                (uses_ranges(settings.coupling) ? 2 * data.recording->ranges.samples.size() : 0));
     PassCollector<Frame> collector(model, settings, options, result, run.filter.time(), data.imu.median_dt);
     std::vector<FilterRun<Frame>> checkpoints;
     const auto begin = std::chrono::steady_clock::now();
@@ -241,7 +242,8 @@ Result run_in(const RunData& data, const Settings& settings, const Start& start,
             const FilterRun<Frame> first = first_step<Frame>(model, data, settings, start);
             checkpoints.clear();
             if (std::vector<Opening> spread = spread_over_gaps(openings, data); !spread.empty()) {
-                checkpoints = rehearse_spread(pass_with(spread), first, end, std::ranges::count_if(result.aids, is_refused_fix));
+                checkpoints =
+                    rehearse_spread(pass_with(spread), first, end, std::ranges::count_if(result.measurements, is_refused_fix));
                 if (!checkpoints.empty()) openings = std::move(spread);
             }
             if (checkpoints.empty()) checkpoints = rehearse(pass_with(openings), first, end).checkpoints;
@@ -257,9 +259,9 @@ Result run_in(const RunData& data, const Settings& settings, const Start& start,
 template <class Frame>
 struct StartTape : Tape<Frame> {
     using Tape<Frame>::Tape;
-    void aid(const AidRecord& r) override {
-        if (r.kind != AidKind::GnssPosition && r.kind != AidKind::GnssVelocity) return;
-        if (r.status == AidStatus::Withheld) return;
+    void measurement(const MeasurementRecord& r) override {
+        if (r.kind != MeasurementKind::GnssPosition && r.kind != MeasurementKind::GnssVelocity) return;
+        if (r.status == MeasurementStatus::Withheld) return;
         double log_sigma = 0.0;
         for (int i = 0; i < 3; ++i)
             if (r.sigma(i) > 0.0) log_sigma += std::log(r.sigma(i));

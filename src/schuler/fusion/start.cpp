@@ -26,7 +26,7 @@ const Event* first_fix(const RunData& data, const Settings& settings) {
     if (settings.start) from = std::max(from, *settings.start);
     if (settings.initial.time) from = std::max(from, *settings.initial.time);
     for (const Event& e : data.events)
-        if (e.kind == AidKind::GnssPosition && !e.withheld && (e.components & 3) == 3 && e.valid >= from &&
+        if (e.kind == MeasurementKind::GnssPosition && !e.withheld && (e.components & 3) == 3 && e.valid >= from &&
             e.valid <= data.imu.increments.back().time)
             return &e;
     return nullptr;
@@ -74,7 +74,7 @@ Vector3d gnss_acceleration(const RunData& data, Time at) {
     const GnssFix* first = nullptr;
     Time t0{};
     for (const Event& e : data.events) {
-        if (e.kind != AidKind::GnssVelocity || e.withheld || e.components != 7 || e.valid < at) continue;
+        if (e.kind != MeasurementKind::GnssVelocity || e.withheld || e.components != 7 || e.valid < at) continue;
         const GnssFix& fix = data.recording->gnss[e.index];
         if (first == nullptr) {
             first = &fix;
@@ -94,7 +94,7 @@ Time first_motion(const RunData& data, Time from) {
     const GnssFix* anchor = nullptr;
     for (const Event& e : data.events) {
         if (e.valid < from || e.withheld) continue;
-        if (e.kind == AidKind::GnssVelocity && (e.components & 3) == 3) {
+        if (e.kind == MeasurementKind::GnssVelocity && (e.components & 3) == 3) {
             const double speed = data.recording->gnss[e.index].velocity_n.head<2>().norm();
             const double limit = std::max(0.8, 4.0 * data.fix_noise[e.index].velocity.head<2>().maxCoeff());
             if (speed < limit) {
@@ -103,7 +103,7 @@ Time first_motion(const RunData& data, Time from) {
             }
             if (run++ == 0) since = e.valid;
             if (run >= 3) return since;
-        } else if (e.kind == AidKind::GnssPosition && (e.components & 3) == 3) {
+        } else if (e.kind == MeasurementKind::GnssPosition && (e.components & 3) == 3) {
             const GnssFix& fix = data.recording->gnss[e.index];
             if (fix.velocity_n.head<2>().allFinite()) continue;
             if (anchor == nullptr) anchor = &fix;
@@ -172,7 +172,7 @@ std::pair<Vector3d, Vector3d> velocity_by_positions(const RunData& data, const S
     std::pair<Vector3d, Vector3d> best{Vector3d::Zero(), Vector3d::Constant(std::numeric_limits<double>::infinity())};
     for (const Event& e : data.events) {
         const double dt = (e.valid - first.valid).seconds();
-        if (e.kind != AidKind::GnssPosition || e.withheld || (e.components & 3) != 3 || dt < least) continue;
+        if (e.kind != MeasurementKind::GnssPosition || e.withheld || (e.components & 3) != 3 || dt < least) continue;
         if (dt > most) break;
         const Vector3d noise = std::sqrt(2.0) / dt * data.fix_noise[e.index].position;
         const Vector3d std = noise.unaryExpr([&](double n) { return std::hypot(n, 0.5 * accel * dt); });

@@ -53,10 +53,10 @@ void add_speeds(std::vector<Slot>& slots, const Recording& recording, const std:
             last = nullptr;
             continue;
         }
-        if (e.kind == AidKind::GnssVelocity && (e.components & 3) == 3) {
+        if (e.kind == MeasurementKind::GnssVelocity && (e.components & 3) == 3) {
             const double speed = recording.gnss[e.index].velocity_n.head<2>().norm();
             set(e.valid, speed);
-        } else if (e.kind == AidKind::GnssPosition && (e.components & 3) == 3) {
+        } else if (e.kind == MeasurementKind::GnssPosition && (e.components & 3) == 3) {
             const GnssFix& fix = recording.gnss[e.index];
             const double sigma = fix.std_position.head<2>().norm();
             if (fix.velocity_n.head<2>().allFinite() || !(sigma > 0.0 && sigma < 0.1)) continue;
@@ -89,7 +89,7 @@ bool add_slow_speeds(std::vector<Slot>& slots, const Recording& recording, const
     std::vector<Point> points;
     const GnssFix* first = nullptr;
     for (const Event& e : events) {
-        if (e.withheld || e.kind != AidKind::GnssPosition || (e.components & 3) != 3) continue;
+        if (e.withheld || e.kind != MeasurementKind::GnssPosition || (e.components & 3) != 3) continue;
         const GnssFix& fix = recording.gnss[e.index];
         if (fix.velocity_n.head<2>().allFinite()) return false;  // more accurate
         if (first == nullptr) first = &fix;
@@ -133,7 +133,7 @@ std::vector<VelocityPoint> horizontal_velocities(const std::vector<Slot>& slots,
                                                  const std::vector<Event>& events) {
     std::vector<VelocityPoint> points;
     for (const Event& e : events) {
-        if (e.withheld || e.kind != AidKind::GnssVelocity || (e.components & 3) != 3) continue;
+        if (e.withheld || e.kind != MeasurementKind::GnssVelocity || (e.components & 3) != 3) continue;
         const GnssFix& fix = recording.gnss[e.index];
         const double t = (e.valid - slots.front().end).seconds() + slot_length;
         points.push_back({t, fix.velocity_n.head<2>(), fix.std_velocity.head<2>().squaredNorm()});

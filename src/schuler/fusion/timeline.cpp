@@ -142,17 +142,18 @@ ImuTimeline make_imu_timeline(const std::vector<ImuSample>& samples, const ImuSe
     if (doubts.saturated > throughout)
         warnings.add(
             "imu.saturated",
-            fmt::format("{:.0f} % of the IMU's samples are at the end of an axis's range: what it felt beyond is not in the log",
-                        100.0 * doubts.saturated));
+            fmt::format(
+                "{:.0f} % of the IMU's samples are at the end of an axis's range: motion beyond full scale was not recorded",
+                100.0 * doubts.saturated));
     if (timeline.gaps > 0)
         warnings.add("imu.gaps",
                      fmt::format("the IMU log has {} gap{} (longest {:.3f} s), bridged by interpolation with a larger "
                                  "uncertainty",
                                  timeline.gaps, timeline.gaps == 1 ? "" : "s", longest));
     if (hanging > 0)
-        warnings.add(
-            "imu.stuck",
-            fmt::format("{} IMU rows repeat rates or forces to the last digit: the unit hung, they count as a hole", hanging));
+        warnings.add("imu.stuck",
+                     fmt::format("{} IMU rows repeat rates or forces to the last digit: the output was frozen; treated as a gap",
+                                 hanging));
     if (timeline.duplicates > 0)
         warnings.add("imu.duplicates",
                      fmt::format("{} IMU rows repeat a time or go backwards and were left out", timeline.duplicates));

@@ -21,14 +21,15 @@ void keep_worse(InnovationRun& worst, const InnovationRun& other) {
 
 }  // namespace
 
-InnovationRun most_biased_run(const std::vector<filter::AidRecord>& aids, Time settled) {
+InnovationRun most_biased_run(const std::vector<filter::MeasurementRecord>& measurements, Time settled) {
     InnovationRun worst;
-    for (const filter::AidKind kind : {filter::AidKind::GnssPosition, filter::AidKind::GnssVelocity}) {
+    for (const filter::MeasurementKind kind : {filter::MeasurementKind::GnssPosition, filter::MeasurementKind::GnssVelocity}) {
         for (int axis = 0; axis < 3; ++axis) {
             std::vector<Time> time;
             std::vector<double> sum{0.0};  // of the normalised innovations before each
-            for (const filter::AidRecord& a : aids) {
-                if (a.kind != kind || a.status != filter::AidStatus::Accepted || a.time < settled || !(a.sigma[axis] > 0.0))
+            for (const filter::MeasurementRecord& a : measurements) {
+                if (a.kind != kind || a.status != filter::MeasurementStatus::Accepted || a.time < settled ||
+                    !(a.sigma[axis] > 0.0))
                     continue;
                 time.push_back(a.time);
                 sum.push_back(sum.back() + a.innovation[axis] / a.sigma[axis]);

@@ -1,4 +1,4 @@
-// Whether the innovations of a survey's fixes have a mean anywhere, as a step of gravity gives them that the filter was not told of.
+// Whether the innovations of a survey's fixes have a mean anywhere, as a step of gravity gives them that the filter does not model.
 #pragma once
 
 #include "schuler/filter/result.h"
@@ -10,7 +10,7 @@ namespace schuler::gravimetry {
 
 /// What is least probable about the innovations of a survey if the filter's model is right.
 struct InnovationRun {
-    filter::AidKind kind = filter::AidKind::GnssPosition;
+    filter::MeasurementKind kind = filter::MeasurementKind::GnssPosition;
     int axis = 0;              ///< north, east, down
     Time from, to;             ///< of the first and last fix of the stretch, or of all stretches
     double length = 0.0;       ///< s, of a stretch
@@ -26,6 +26,6 @@ struct InnovationRun {
 /// the sum of n of them, each over its sigma, has the variance n. Positions and velocities used from `settled` on, each axis by
 /// itself, in stretches of 32, 64, ... fixes: each stretch (overlapping by half), as after a step; and all of them together, as of
 /// a disturbance that varies.
-[[nodiscard]] InnovationRun most_biased_run(const std::vector<filter::AidRecord>& aids, Time settled);
+[[nodiscard]] InnovationRun most_biased_run(const std::vector<filter::MeasurementRecord>& measurements, Time settled);
 
 }  // namespace schuler::gravimetry

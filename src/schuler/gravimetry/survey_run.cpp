@@ -18,17 +18,17 @@ using Frame = detail::SurveyFrame;
 using Filter = detail::SurveyFilter;
 using FilterRun = detail::SurveyFilterRun;
 using detail::survey_epoch;
-using filter::AidKind;
 using filter::Event;
 using filter::InertialModel;
 using filter::Layout;
 using filter::Matrix9;
+using filter::MeasurementKind;
 
 namespace {
 
 /// An epoch starts with the position of a fix that is not withheld; simultaneous measurements belong to it.
 bool begins_epoch(const Event& event) {
-    return event.kind == AidKind::GnssPosition && (event.components & 3) == 3 && !event.withheld;
+    return event.kind == MeasurementKind::GnssPosition && (event.components & 3) == 3 && !event.withheld;
 }
 
 class ForwardEpochs : public filter::PassObserver<Frame> {
@@ -43,8 +43,8 @@ public:
         force_ += time * force;
         elapsed_ += time;
     }
-    void aid(const filter::AidRecord& record) override { result_.aids.push_back(record); }
-    void measured(const FilterRun& run, const Event& event, const filter::AidRecord& record) override {
+    void measurement(const filter::MeasurementRecord& record) override { result_.measurements.push_back(record); }
+    void measured(const FilterRun& run, const Event& event, const filter::MeasurementRecord& record) override {
         std::vector<SurveyEpoch>& epochs = result_.forward;
         const bool begins = begins_epoch(event);
         if (!begins && (epochs.empty() || epochs.back().time != run.filter.time())) {
@@ -80,9 +80,9 @@ private:
         if (covariances_) keep(result_.covariances, filter::covariance_row(f.time(), model_.layout, f.P));
         if (rows_of_disturbance_) keep(rows, detail::disturbance_rows(model_, f));
     }
-    static void count(SurveyEpoch& e, const filter::AidRecord& record) {
+    static void count(SurveyEpoch& e, const filter::MeasurementRecord& record) {
         const bool of_fix = filter::is_part_of_fix(record.kind);
-        if (!of_fix || record.status != filter::AidStatus::Accepted) return;
+        if (!of_fix || record.status != filter::MeasurementStatus::Accepted) return;
         e.nis += record.nis;
         e.measured += record.dof;
     }
@@ -99,8 +99,8 @@ class SurveyTape : public filter::Tape<Frame> {
 public:
     using filter::Tape<Frame>::Tape;
     void output(const FilterRun&, Time) override {}
-    void outage_epoch(const FilterRun&, const Event&, const filter::Measurement&, const filter::AidRecord&) override {}
-    void measured(const FilterRun& run, const Event& event, const filter::AidRecord&) override {
+    void outage_epoch(const FilterRun&, const Event&, const filter::Measurement&, const filter::MeasurementRecord&) override {}
+    void measured(const FilterRun& run, const Event& event, const filter::MeasurementRecord&) override {
         const Time now = run.filter.time();
         if (begins_epoch(event)) epoch_ = now;
         if (epoch_ == now) Tape::output(run, now);
@@ -118,7 +118,7 @@ filter::Settings gravity27(filter::Settings s, const filter::DisturbanceSettings
     s.coupling = filter::Coupling::Loose;
     s.loose_kind = filter::LooseKind::Standard;
     s.mechanization = filter::Mechanization::Ecef;
-    s.integrity.use = s.aids.zero_velocity = s.aids.nonholonomic = s.aids.nonholonomic_auto = false;
+    s.integrity.use = s.constraints.zero_velocity = s.constraints.nonholonomic = s.constraints.nonholonomic_auto = false;
     s.baro.use = s.mag.use = s.odometer.use = s.gnss.consider_errors = false;
     return s;
 }

@@ -40,16 +40,16 @@ struct SurveySeparation {
 struct SurveyResult {
     std::vector<SurveyEpoch> forward;
     std::vector<SurveyEpoch> backward;  ///< before the fixes of the epochs, without f_n, nis and fix; empty if not requested
-    std::vector<SurveySeparation> separation;  ///< at the same times
-    std::vector<SurveyEpoch> smoothed;         ///< empty if not requested; otherwise with one entry per forward epoch
-    std::vector<filter::AidRecord> aids;       ///< of the forward filter
-    std::vector<filter::LayoutBlock> states;   ///< of the filter, except navigation
+    std::vector<SurveySeparation> separation;             ///< at the same times
+    std::vector<SurveyEpoch> smoothed;                    ///< empty if not requested; otherwise with one entry per forward epoch
+    std::vector<filter::MeasurementRecord> measurements;  ///< of the forward filter
+    std::vector<filter::LayoutBlock> states;              ///< of the filter, except navigation
     std::vector<filter::ParameterRow> parameters, smoothed_parameters;     ///< of these, as many as forward and smoothed
     std::vector<filter::CovarianceRow> covariances, smoothed_covariances;  ///< likewise, if Settings::covariance_rows requests it
 };
 
 /// Settings for gravity estimation derived from those for navigation: the preset gravity27. Loose coupling in Earth-fixed axes
-/// with the disturbance as states. Excluded are aids not accurate to a milligal, or that correct by other means than an optimal
+/// with the disturbance as states. Excluded are measurements not accurate to a milligal, or that correct by other means than an optimal
 /// update: zero velocity and wheels, magnetometer, odometer, the barometer's bias walk, fixes used in parts, integrity control.
 [[nodiscard]] filter::Settings gravity27(filter::Settings settings, const filter::DisturbanceSettings& disturbance);
 

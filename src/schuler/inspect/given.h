@@ -34,12 +34,12 @@ struct ComputedFixes {
 struct Given {
     std::set<std::string> keys;  ///< of all given settings: "imu.axes"
     GivenFile imu, gnss, baro, mag, reference;
-    ComputedFixes computed;     ///< used if no log of fixes is found, to determine axes, vehicle and clocks
-    bool find_logs = true;      ///< the folder's other files may be the IMU and GNSS logs and the reference
-    bool find_imu = true;       ///< ... the IMU log, even if others are named
-    bool find_gnss = true;      ///< ... the log of fixes, even if others are named
-    bool find_aids = true;      ///< ... the barometer and magnetometer logs
-    bool weighs_field = false;  ///< the user of the magnetometer weights its samples: a disturbed one is not excluded
+    ComputedFixes computed;       ///< used if no log of fixes is found, to determine axes, vehicle and clocks
+    bool find_logs = true;        ///< the folder's other files may be the IMU and GNSS logs and the reference
+    bool find_imu = true;         ///< ... the IMU log, even if others are named
+    bool find_gnss = true;        ///< ... the log of fixes, even if others are named
+    bool find_companions = true;  ///< ... the barometer and magnetometer logs
+    bool weighs_field = false;    ///< the user of the magnetometer weights its samples: a disturbed one is not excluded
     std::map<std::string, std::string> fix_codes;
     std::string vehicle;                                 ///< "car", ...
     std::string axes;                                    ///< as given

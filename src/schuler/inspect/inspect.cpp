@@ -84,10 +84,10 @@ LoadedFile* choose(Study& study, io::TableKind kind, const std::string& section)
     }
     const Given& given = study.given;
     if (kind == io::TableKind::Gnss && !study.files.empty() && study.files.back().computed) return &study.files.back();
-    const bool aid = kind == io::TableKind::Baro || kind == io::TableKind::Mag;
-    const bool may = aid ? given.find_aids
-                         : given.find_logs || (kind == io::TableKind::Imu && given.find_imu) ||
-                               (kind == io::TableKind::Gnss && given.find_gnss);
+    const bool companion = kind == io::TableKind::Baro || kind == io::TableKind::Mag;
+    const bool may = companion ? given.find_companions
+                               : given.find_logs || (kind == io::TableKind::Imu && given.find_imu) ||
+                                     (kind == io::TableKind::Gnss && given.find_gnss);
     if (!may) return nullptr;
     for (LoadedFile& file : study.files) {
         if (file.table != kind || file.as.kind || detail::is_result(file)) continue;
@@ -126,8 +126,8 @@ void choose_files(Study& study) {
 }
 
 /// Logs with the names of the interface and no further content to evaluate: wheel speed, heading.
-void choose_plain_aids(Study& study) {
-    if (!study.given.find_aids) return;
+void choose_plain_companions(Study& study) {
+    if (!study.given.find_companions) return;
     for (const char* section : {"odometer", "heading"}) {
         const bool named = study.given.has(std::string(section) + ".file") ||
                            (section == std::string_view("heading") && study.given.has("compass.file"));
@@ -261,7 +261,7 @@ void load_files(const fs::path& path, Study& study) {
     const bool folder = fs::is_directory(path, failure) && io::format_of(path) == nullptr;
     const Given& given = study.given;
     std::vector<fs::path> others;
-    if (given.find_logs || given.find_imu || given.find_gnss || given.find_aids || !folder)
+    if (given.find_logs || given.find_imu || given.find_gnss || given.find_companions || !folder)
         others = folder ? files_in(path, study) : std::vector<fs::path>{path};
     study.files.reserve(others.size() + 6);
     for (const io::TableKind kind : roles) {
@@ -298,7 +298,7 @@ void load_files(const fs::path& path, Study& study) {
         if (given.find_gnss && named(given, io::TableKind::Gnss) == nullptr)
             if (std::optional<LoadedFile> fixes = detail::fixes_beside(study.files[imu]))
                 study.files.push_back(as_given(std::move(*fixes), given));
-        if (given.find_aids && named(given, io::TableKind::Mag) == nullptr)
+        if (given.find_companions && named(given, io::TableKind::Mag) == nullptr)
             if (std::optional<LoadedFile> mag = detail::magnetometer_beside(study.files[imu]))
                 study.files.push_back(as_given(std::move(*mag), given));
     }
@@ -415,7 +415,7 @@ InspectReport inspect(const std::filesystem::path& path, const Given& given) {
     detail::judge_baro(study);
     detail::judge_mag(study);
     detail::judge_reference(study);
-    choose_plain_aids(study);
+    choose_plain_companions(study);
 
     InspectReport report;
     report.path = path.string();

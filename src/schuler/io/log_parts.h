@@ -9,7 +9,7 @@
 
 namespace schuler::io {
 
-/// The file name without the numbers that tell the parts of a log apart, and without "part" before them: the same for all parts of one
+/// The file name without the numbers that distinguish the parts of a log, and without "part" before them: the same for all parts of one
 /// log, which does not say that they are parts of one.
 [[nodiscard]] std::string name_of_parts(const std::filesystem::path& path);
 

@@ -5,7 +5,7 @@
 #include "schuler/io/receiver/nmea.h"
 #include "schuler/io/receiver/ubx.h"
 #include "schuler/io/receiver/vectornav.h"
-#include "schuler/io/text/csv/csv_aids.h"
+#include "schuler/io/text/csv/csv_instruments.h"
 #include "schuler/live/detail/framing.h"
 
 #include <fmt/format.h>

@@ -26,7 +26,7 @@ std::string_view name_of_kind(NavigatorEvent::Kind kind) {
                                                     "alert", "reconsidered", "diverged", "restarted"};
     return names[static_cast<std::size_t>(kind)];
 }
-std::string_view name_of_status(filter::AidStatus status) {
+std::string_view name_of_status(filter::MeasurementStatus status) {
     constexpr std::array<std::string_view, 4> names{"accepted", "rejected", "withheld", "excluded"};
     return names[static_cast<std::size_t>(status)];
 }
@@ -113,8 +113,9 @@ std::string event_json(const NavigatorEvent& e) {
         add("source", name_of(e.source));
         add("status", name_of(e.status));
     }
-    if (e.kind == NavigatorEvent::Kind::Aid || e.kind == NavigatorEvent::Kind::Alert) add("aid", filter::info_of(e.aid).key);
-    if (e.kind == NavigatorEvent::Kind::Aid) add("status", name_of_status(e.aid_status));
+    if (e.kind == NavigatorEvent::Kind::Measurement || e.kind == NavigatorEvent::Kind::Alert)
+        add("aid", filter::info_of(e.measurement).key);
+    if (e.kind == NavigatorEvent::Kind::Measurement) add("status", name_of_status(e.measurement_status));
     if (e.kind == NavigatorEvent::Kind::Hole) pair(text, "seconds", e.seconds, 3);
     return text + "}\n";
 }
@@ -142,11 +143,11 @@ std::string event_text(const NavigatorEvent& e) {
         case NavigatorEvent::Kind::Hole:
             return fmt::format("{:.3f} s: a hole of the IMU of {:.3f} s was bridged", e.time.seconds(), e.seconds);
         case NavigatorEvent::Kind::Hang: return fmt::format("{:.3f} s: the IMU repeats itself", e.time.seconds());
-        case NavigatorEvent::Kind::Aid:
-            return fmt::format("{:.3f} s: a measurement of {} was {}", e.time.seconds(), filter::info_of(e.aid).name,
-                               name_of_status(e.aid_status));
+        case NavigatorEvent::Kind::Measurement:
+            return fmt::format("{:.3f} s: a measurement of {} was {}", e.time.seconds(), filter::info_of(e.measurement).name,
+                               name_of_status(e.measurement_status));
         case NavigatorEvent::Kind::Alert:
-            return fmt::format("{:.3f} s: alert of {}", e.time.seconds(), filter::info_of(e.aid).name);
+            return fmt::format("{:.3f} s: alert of {}", e.time.seconds(), filter::info_of(e.measurement).name);
         case NavigatorEvent::Kind::Reconsidered:
             return fmt::format("{:.3f} s: the other hypothesis about rejected fixes is accepted now", e.time.seconds());
         case NavigatorEvent::Kind::Diverged:

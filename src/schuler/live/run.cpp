@@ -160,7 +160,7 @@ public:
         for (const Sink& s : sinks_) report_.dropped += s.output.dropped();
         report_.latency_median = latencies_.quantile(0.5);
         report_.latency_999 = latencies_.quantile(0.999);
-        tell(fmt::format("stopped after {:.1f} s: {} samples of the IMU, {} fixes, {} unparseable records, {} messages dropped",
+        tell(fmt::format("stopped after {:.1f} s: {} IMU samples, {} fixes, {} unparseable records, {} messages dropped",
                          report_.seconds, report_.imu, report_.fixes, report_.garbage, report_.dropped));
         return report_;
     }
@@ -303,7 +303,7 @@ private:
         while (const auto event = navigator_.poll()) {
             // repeated rejections are reported once per second
             const bool often =
-                event->kind == filter::NavigatorEvent::Kind::Refused || event->kind == filter::NavigatorEvent::Kind::Aid;
+                event->kind == filter::NavigatorEvent::Kind::Refused || event->kind == filter::NavigatorEvent::Kind::Measurement;
             if (!often || monotonic() > next_told_) tell(event_text(*event));
             if (often && monotonic() > next_told_) next_told_ = monotonic() + 1.0;
             broadcast(io::McapTopic::Event, event_json(*event));

@@ -100,22 +100,21 @@ OptionTable<LiveSettings> make_table() {
     for (std::size_t i = 0; i < instrument_count; ++i) {
         const std::string section(name_of(static_cast<Instrument>(i)));
         t.add(settings::text<L>(section + ".source",
-                                "live: source of the samples: tcp://HOST:PORT, tcp-listen://:PORT, udp://:PORT, "
+                                "source of the samples: tcp://HOST:PORT, tcp-listen://:PORT, udp://:PORT, "
                                 "serial:/dev/NAME?baud=115200, file:PATH, gpsd://HOST or stdin; instruments may share one",
                                 [i](auto& l) -> auto& { return l.sources[i].from; }));
-        Option<L> format = settings::text<L>(section + ".format", "live: format of the samples",
+        Option<L> format = settings::text<L>(section + ".format", "format of the samples",
                                              [i](auto& l) -> auto& { return l.sources[i].format; });
         format.spec.choices.assign(source_formats.begin(), source_formats.end());
         t.add(std::move(format));
-        t.add(settings::flag<L>(section + ".arrival_time", "live: use the time of arrival as the time of a sample",
+        t.add(settings::flag<L>(section + ".arrival_time", "use the time of arrival as the time of a sample",
                                 [i](auto& l) -> auto& { return l.sources[i].arrival; }));
         if (i > 0)
-            t.add(settings::number<L>(section + ".rate_hz", 1.0, 0, 1e4, "live: largest sample rate",
+            t.add(settings::number<L>(section + ".rate_hz", 1.0, 0, 1e4, "largest sample rate",
                                       [i](auto& l) -> auto& { return l.sources[i].rate; }));
     }
-    t.add(settings::number<L>("imu.rate_hz", 1.0, 5, 1e4, "live: nominal sample rate",
-                              [](auto& l) -> auto& { return l.imu_rate; }))
-        .add(settings::integer<L>("gauges.count", 1, 3, "live: number of heights in a sample of the gauges",
+    t.add(settings::number<L>("imu.rate_hz", 1.0, 5, 1e4, "nominal sample rate", [](auto& l) -> auto& { return l.imu_rate; }))
+        .add(settings::integer<L>("gauges.count", 1, 3, "number of heights in a sample of the gauges",
                                   [](auto& l) -> auto& { return l.gauges; }))
         .add(settings::number<L>("live.lag_s", 1.0, 0, 10, "largest delay of a sample after the IMU",
                                  [](auto& l) -> auto& { return l.lag; }))
@@ -132,7 +131,7 @@ OptionTable<LiveSettings> make_table() {
         .add(settings::number<L>("live.health_every_s", 1.0, 0.1, 1e6, "interval of health messages",
                                  [](auto& l) -> auto& { return l.health_every; }));
     Option<L> outputs{settings::detail::spec("output", settings::Shape::Tables,
-                                             "live: [[output]] with to, format, rate_hz, at, events, queue_kb, rotate_mb, keep"),
+                                             "[[output]] with to, format, rate_hz, at, events, queue_kb, rotate_mb, keep"),
                       [](L& l, const Value& v) {
                           l.outputs.clear();
                           for (const Value& one : *v.list()) l.outputs.push_back(output_of(*one.table()));
@@ -145,7 +144,6 @@ OptionTable<LiveSettings> make_table() {
 /// Sections of dataset.toml for an instrument, and the sections not used by a live run.
 std::vector<std::string> without_effect(const LiveSettings& l, const settings::SettingList& given) {
     const auto sent = [&l](Instrument i) { return !l.sources[static_cast<std::size_t>(i)].from.empty(); };
-    const bool loose_integrity = l.config.filter.integrity.use, mixed = l.config.filter.loop == fusion::Loop::Mixed;
     const struct {
         std::string_view prefix;
         bool effect;
@@ -163,16 +161,14 @@ std::vector<std::string> without_effect(const LiveSettings& l, const settings::S
                  {"base.", false, "a live run takes no ranges"},
                  {"filter.protection.", false, "a live run takes no ranges"},
                  {"filter.self_check", false, "it belongs to `schuler process`"},
-                 {"filter.integrity.", loose_integrity, "filter.integrity.use is not on"},
-                 {"filter.feedback_", mixed, "filter.loop is not \"mixed\""},
-                 {"filter.separate.", l.config.scheme == settings::Scheme::Separate, "the scheme is not \"separate\""},
                  {"reference.", false, "a live run is compared with nothing"},
                  {"gravity.", false, "it belongs to `schuler gravity`"}};
     std::vector<std::string> out;
     for (const settings::Setting& s : given) {
         const auto* rule = std::ranges::find_if(rules, [&](const auto& r) { return s.key.starts_with(r.prefix); });
-        if (rule != std::end(rules) && !rule->effect)
-            out.push_back(fmt::format("{} is given and has no effect: {}", s.key, rule->reason));
+        const std::string_view reason =
+            rule != std::end(rules) ? (rule->effect ? std::string_view() : rule->reason) : settings::idle_reason(s.key, l.config);
+        if (!reason.empty()) out.push_back(fmt::format("{} is given and has no effect: {}", s.key, reason));
     }
     return out;
 }

@@ -51,8 +51,8 @@ struct DopplerDifference {
 
 /// Tells which phases have not slipped between two epochs: those that one displacement and clock step explain.
 /// After one slip it is all satellites but one; where it could be one of several, none of these is kept. After several at once,
-/// which hide each other from a fit, it is the largest set of satellites that agree, if it can be told from all others: by three
-/// satellites more than any set that contradicts it, or by the Dopplers. Where it cannot be told, no phase is kept.
+/// which hide each other from a fit, it is the largest set of satellites that agree, if it can be distinguished from all others: by three
+/// satellites more than any set that contradicts it, or by the Dopplers. Where it cannot be distinguished, no phase is kept.
 class PhaseContinuity {
 public:
     /// Marks the steps that are kept; `dt`: s between the epochs. Nothing if the geometry does not determine a displacement.

@@ -55,7 +55,7 @@ private:
     double mean_gain_ = 0.0;
 };
 
-/// C/N0 of the last prompts, to tell where an average no longer describes the noise of a loop: a signal that fades or breaks off. The
+/// C/N0 of the last prompts, to detect where an average no longer describes the noise of a loop: a signal that fades or breaks off. The
 /// averaging time is the memory of the loop, 1/(2 bandwidth). The amplitude of a prompt has unit noise: one that is smaller than
 /// expected by more than that allows restarts the mean, since an average takes long to forget a strong signal.
 class FadingCn0 : public Cn0Average {

@@ -69,7 +69,7 @@ struct ReplicaUncertainty {
     double frequency = 28.9;  ///< Hz
 };
 
-/// Covariance of the errors of one channel, propagated beside its loops with what the receiver itself knows: the size of a search
+/// Covariance of the errors of one channel, propagated beside its loops with what is available in the receiver itself: the size of a search
 /// cell, its loop filters, and the strength of the signal as it estimates it. In the steady state this is the thermal jitter of the closed
 /// formulas; after a start or a change of loops it contains what is left of the initial errors; without a signal the loops integrate
 /// noise, and the covariance grows as they drift away.

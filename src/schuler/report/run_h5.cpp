@@ -198,10 +198,10 @@ void add_fixes(io::TableWriter& file, const std::vector<GnssFix>& rows) {
               });
 }
 
-void add_innovations(io::TableWriter& file, const std::vector<fusion::AidRecord>& records) {
+void add_innovations(io::TableWriter& file, const std::vector<fusion::MeasurementRecord>& records) {
     for (const filter::MeasurementInfo& info : filter::measurement_infos) {
-        std::vector<fusion::AidRecord> rows;
-        for (const fusion::AidRecord& r : records) {
+        std::vector<fusion::MeasurementRecord> rows;
+        for (const fusion::MeasurementRecord& r : records) {
             if (r.kind == info.kind) rows.push_back(r);
         }
         if (rows.empty()) continue;
@@ -211,11 +211,11 @@ void add_innovations(io::TableWriter& file, const std::vector<fusion::AidRecord>
             components += fmt::format("{}{}", components.empty() ? "" : ",", c.empty() ? "unused" : c);
         add_times(file, group, rows);
         add_table(file, group + "/innovation", rows, 3, components, "SI",
-                  [](const fusion::AidRecord& r, std::vector<double>& out) { push(out, r.innovation); });
+                  [](const fusion::MeasurementRecord& r, std::vector<double>& out) { push(out, r.innovation); });
         add_table(file, group + "/sigma", rows, 3, components, "SI",
-                  [](const fusion::AidRecord& r, std::vector<double>& out) { push(out, r.sigma); });
+                  [](const fusion::MeasurementRecord& r, std::vector<double>& out) { push(out, r.sigma); });
         add_table(file, group + "/gate", rows, 3, "nis,dof,status (0 accepted 1 rejected 2 withheld 3 excluded)", "1",
-                  [](const fusion::AidRecord& r, std::vector<double>& out) {
+                  [](const fusion::MeasurementRecord& r, std::vector<double>& out) {
                       push(out, {r.nis, static_cast<double>(r.dof), static_cast<double>(r.status)});
                   });
     }
@@ -299,7 +299,7 @@ void write_run(io::TableWriter& file, const solution::ResultBundle& b) {
     add_covariances(file, "/covariance_smoothed", axes, b.result, b.result.smoothed.covariances);
     add_sensor_truth(file, b.truth.sensors);
     add_fixes(file, b.data.recording.gnss);
-    add_innovations(file, b.result.aids);
+    add_innovations(file, b.result.measurements);
     add_sky(file, b.data.recording.ranges, sky_rows(b));
     add_outages(file, "/outages", b.solution().outage_epochs);
     add_reference(file, b.reference());

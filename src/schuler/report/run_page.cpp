@@ -57,18 +57,18 @@ std::vector<report::InnovationGroup> innovations_of(const solution::ResultBundle
     std::vector<report::InnovationGroup> out;
     for (const filter::MeasurementInfo& info : filter::measurement_infos) {
         report::InnovationGroup g = group_of(info);
-        for (const fusion::AidRecord& r : b.result.aids) {
+        for (const fusion::MeasurementRecord& r : b.result.measurements) {
             if (r.kind != info.kind) continue;
-            const auto status = r.status == fusion::AidStatus::Accepted   ? report::InnovationStatus::Accepted
-                                : r.status == fusion::AidStatus::Rejected ? report::InnovationStatus::Rejected
-                                                                          : report::InnovationStatus::Withheld;
+            const auto status = r.status == fusion::MeasurementStatus::Accepted   ? report::InnovationStatus::Accepted
+                                : r.status == fusion::MeasurementStatus::Rejected ? report::InnovationStatus::Rejected
+                                                                                  : report::InnovationStatus::Withheld;
             report::InnovationPoint p{r.time, status, r.dof, r.innovation, r.sigma, r.nis};
             for (int i = 0; i < 3; ++i) {
                 if (!(r.sigma[i] > 0.0)) p.innovation[i] = p.sigma[i] = not_given;  // not a component of this record
             }
             g.points.push_back(p);
         }
-        for (const solution::AidConsistency& a : b.evaluation.aids) {
+        for (const solution::MeasurementConsistency& a : b.evaluation.measurements) {
             if (a.name == info.key) g.lag1 = a.nis.lag1;
         }
         if (!g.points.empty()) out.push_back(std::move(g));
@@ -173,7 +173,7 @@ report::CheckEntry check_of(const std::optional<solution::SelfCheck>& check) {
     }
     out.growth.push_back(curve_of(c.coverage, c.widened ? " with wider noise" : ""));
     if (c.all) add("wider, in all windows", *c.all);
-    add(c.widened ? "wider, in windows that had no part in it" : "as it is", c.coverage);
+    add(c.widened ? "wider, in validation windows" : "as it is", c.coverage);
     report::TableBlock motion{
         "By motion", {"motion", "fixes", "refused", "inside 3σ", "NIS a component", "withheld", "inside 3σ"}, {}};
     for (std::size_t k = 0; k < solution::regimes; ++k) {

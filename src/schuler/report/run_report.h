@@ -38,7 +38,7 @@ struct InnovationPoint {
     double nis = not_given;                ///< normalised innovation squared
 };
 
-/// All epochs of one kind of aid.
+/// All epochs of one kind of measurement.
 struct InnovationGroup {
     std::string name;                     ///< "GNSS position"
     std::string unit;                     ///< of the plots: "m"

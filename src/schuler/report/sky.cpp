@@ -11,8 +11,8 @@ namespace schuler::report {
 namespace {
 
 /// The pseudoranges of an epoch as processed by the filter; records of an epoch have its time as stamp.
-const fusion::AidRecord* record_of(std::span<const fusion::AidRecord> all, Time epoch, int source) {
-    const auto first = std::ranges::lower_bound(all, epoch, {}, &fusion::AidRecord::stamp);
+const fusion::MeasurementRecord* record_of(std::span<const fusion::MeasurementRecord> all, Time epoch, int source) {
+    const auto first = std::ranges::lower_bound(all, epoch, {}, &fusion::MeasurementRecord::stamp);
     for (auto it = first; it != all.end() && it->stamp == epoch; ++it)
         if (it->source == source) return &*it;
     return nullptr;
@@ -24,10 +24,10 @@ std::vector<SkyRow> sky_rows(const solution::ResultBundle& b) {
     const RangingLog& log = b.data.recording.ranges;
     const std::vector<SolutionRow>& rows = b.solution().rows;
     if (log.empty() || rows.empty()) return {};
-    std::vector<fusion::AidRecord> ranges;
-    std::ranges::copy_if(b.result.aids, std::back_inserter(ranges),
-                         [](const fusion::AidRecord& r) { return r.kind == fusion::AidKind::Pseudorange; });
-    std::ranges::stable_sort(ranges, {}, &fusion::AidRecord::stamp);
+    std::vector<fusion::MeasurementRecord> ranges;
+    std::ranges::copy_if(b.result.measurements, std::back_inserter(ranges),
+                         [](const fusion::MeasurementRecord& r) { return r.kind == fusion::MeasurementKind::Pseudorange; });
+    std::ranges::stable_sort(ranges, {}, &fusion::MeasurementRecord::stamp);
     const earth::Earth& earth = b.data.config.filter.earth;
     const std::size_t stride = (log.epochs.size() + most_sky_epochs - 1) / most_sky_epochs;
     std::vector<SkyRow> out;
@@ -46,8 +46,8 @@ std::vector<SkyRow> sky_rows(const solution::ResultBundle& b) {
             row.station = log.sources[m.source].station;
             row.azimuth = std::fmod(std::atan2(line_n.y(), line_n.x()) + 2.0 * std::numbers::pi, 2.0 * std::numbers::pi);
             row.elevation = std::asin(-line_n.z());
-            if (const fusion::AidRecord* r = record_of(ranges, epoch.time, m.source)) {
-                row.use = r->status == fusion::AidStatus::Accepted ? RangeUse::Used : RangeUse::Rejected;
+            if (const fusion::MeasurementRecord* r = record_of(ranges, epoch.time, m.source)) {
+                row.use = r->status == fusion::MeasurementStatus::Accepted ? RangeUse::Used : RangeUse::Rejected;
                 row.residual = r->innovation.x();
                 row.sigma = r->sigma.x();
             }

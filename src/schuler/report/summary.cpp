@@ -57,7 +57,7 @@ Json consistency_of(const solution::Evaluation& e) {
     out["nees_attitude"] = e.consistency ? of(e.consistency->attitude) : Json(nullptr);
     Json nis;
     for (const char* name : {"gnss_position", "gnss_velocity", "baro", "pseudorange", "range_rate", "mag"}) nis[name] = nullptr;
-    for (const solution::AidConsistency& a : e.aids) {
+    for (const solution::MeasurementConsistency& a : e.measurements) {
         nis[std::string(a.name)] = {{"mean", json_number(a.nis.mean)},
                                     {"dof", json_number(a.nis.dof)},
                                     {"accepted", a.nis.accepted},
@@ -115,7 +115,7 @@ Json integrity_of(const solution::ResultBundle& b) {
     Json alerts = Json::array();
     for (const fusion::Alert& a : b.result.alerts)
         alerts.push_back({{"time_s", b.relative(a.time)},
-                          {"channel", a.kind == fusion::AidKind::GnssVelocity ? "gnss_velocity" : "gnss_position"},
+                          {"channel", a.kind == fusion::MeasurementKind::GnssVelocity ? "gnss_velocity" : "gnss_position"},
                           {"test", integrity_test_name(a.test)},
                           {"size", json_number(a.size > 0.0 ? a.size : not_given)}});
     return {{"alerts", alerts}};

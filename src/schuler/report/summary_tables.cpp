@@ -13,7 +13,7 @@ namespace {
 
 std::string alert_text(const fusion::Alert& a) {
     using fusion::IntegrityTest;
-    const std::string size = fmt::format("{:.3g} {}", a.size, a.kind == fusion::AidKind::GnssVelocity ? "m/s" : "m");
+    const std::string size = fmt::format("{:.3g} {}", a.size, a.kind == fusion::MeasurementKind::GnssVelocity ? "m/s" : "m");
     switch (a.test) {
         case IntegrityTest::Readmitted: return "used again";
         case IntegrityTest::Returned: return "fault has ended";
@@ -62,9 +62,9 @@ std::string consistency_table(const solution::Evaluation& e) {
         nees("NEES attitude", e.consistency->attitude);
         if (!table.rows.empty()) out += table_text(table);
     }
-    if (e.aids.empty()) return out;
+    if (e.measurements.empty()) return out;
     ResultTable table = table_for_people("", {"innovations", "NIS mean", "dof", "accepted", "rejected", "lag 1"});
-    for (const solution::AidConsistency& a : e.aids)
+    for (const solution::MeasurementConsistency& a : e.measurements)
         table.rows.push_back({a.name, a.nis.mean, a.nis.dof, a.nis.accepted, a.nis.rejected, a.nis.lag1});
     return out + table_text(table);
 }
@@ -129,12 +129,12 @@ std::string summary_tables(const solution::ResultBundle& b) {
         out += "\n" + outage_table(e.outages, b.data.origin, b.smoothed() ? "outages, smoothed" : "outages");
         out += outage_table(e.outages_forward, b.data.origin, "outages, forward");
     }
-    if (!b.result.alerts.empty()) out += "\nrefused fixes: who was wrong\n";
+    if (!b.result.alerts.empty()) out += "\nrejected fixes: diagnosis\n";
     constexpr std::size_t most_lines = 20;
     for (std::size_t i = 0; i < std::min(most_lines, b.result.alerts.size()); ++i) {
         const fusion::Alert& a = b.result.alerts[i];
         out += fmt::format("  {:>8.1f} s  {:<9} {}\n", b.relative(a.time),
-                           a.kind == fusion::AidKind::GnssVelocity ? "velocity" : "position", alert_text(a));
+                           a.kind == fusion::MeasurementKind::GnssVelocity ? "velocity" : "position", alert_text(a));
     }
     if (b.result.alerts.size() > most_lines)
         out += fmt::format("  and {} more (summary.json has them all)\n", b.result.alerts.size() - most_lines);

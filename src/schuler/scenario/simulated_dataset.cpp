@@ -70,7 +70,7 @@ void round_to_files(Recording& r) {
     }
 }
 
-void round_to_files(AidLog& log) {
+void round_to_files(InstrumentLogs& log) {
     for (GaugeSample& s : log.gauges)
         for (double& h : s.height)
             if (std::isfinite(h)) h = rounded<length_decimals>(h);
@@ -79,7 +79,7 @@ void round_to_files(AidLog& log) {
 }
 
 /// Sets the filter's assumptions about those instruments to the simulated errors.
-void describe(const sim::AidErrors& simulated, const AidLog& log, settings::AidsConfig& assumed) {
+void describe(const sim::InstrumentErrors& simulated, const InstrumentLogs& log, settings::InstrumentsConfig& assumed) {
     if (!log.gauges.empty()) assumed.gauges.file = "gauges.csv";
     if (!log.velocities.empty()) assumed.log.file = "log.csv";
     if (!log.headings.empty()) assumed.compass.file = "compass.csv";
@@ -293,9 +293,9 @@ bool is_relevant(const std::string& key, const settings::Config& c, bool gravime
     if (key.starts_with("baro.")) return !c.baro.file.empty();
     if (key.starts_with("ranges.") || key.starts_with("stations.")) return !c.ranges.file.empty();
     if (key.starts_with("mag.")) return !c.mag.file.empty();
-    if (key.starts_with("gauges.")) return !c.aids.gauges.file.empty();
-    if (key.starts_with("log.")) return !c.aids.log.file.empty();
-    if (key.starts_with("compass.")) return !c.aids.compass.file.empty();
+    if (key.starts_with("gauges.")) return !c.instruments.gauges.file.empty();
+    if (key.starts_with("log.")) return !c.instruments.log.file.empty();
+    if (key.starts_with("compass.")) return !c.instruments.compass.file.empty();
     if (key.starts_with("gravity.")) return gravimetry;
     return !key.starts_with("output.") && !key.ends_with(".time_offset_s") && key != "reference.quaternion";
 }
@@ -341,10 +341,11 @@ SimulatedDataset simulate_dataset(const settings::ScenarioConfig& scenario, cons
     }
     round_to_files(out.recording);
     const auto path = sim::make_path(scenario.sim.path, scenario.sim.earth.ellipsoid);
-    out.aids = sim::simulate_aids(scenario.aids, scenario.sim.earth, *path, scenario.sim.duration, scenario.sim.origin, out.seed);
-    round_to_files(out.aids);
+    out.instruments = sim::simulate_instruments(scenario.instruments, scenario.sim.earth, *path, scenario.sim.duration,
+                                                scenario.sim.origin, out.seed);
+    round_to_files(out.instruments);
     settings::Config c = described(assumed_scenario, out.recording);
-    describe(assumed_scenario.aids, out.aids, c.aids);
+    describe(assumed_scenario.instruments, out.instruments, c.instruments);
     if (scenario.initial_error.given() && !out.recording.reference.empty()) {
         give_initial_state(c, scenario.initial_error, out.recording.reference.front(), scenario.sim.earth, out.seed);
         state_initial_sigmas(c.filter.initial, assumed_scenario.initial_error);
@@ -374,9 +375,9 @@ void write_dataset(const SimulatedDataset& data, const std::filesystem::path& fo
     if (!r.gnss.empty()) io::write_file(stage.path() / "gnss.csv", gnss_csv(r.gnss));
     if (!r.baro.empty()) io::write_file(stage.path() / "baro.csv", baro_csv(r.baro));
     if (!r.mag.empty()) io::write_file(stage.path() / "mag.csv", mag_csv(r.mag));
-    if (!data.aids.gauges.empty()) io::write_file(stage.path() / "gauges.csv", gauges_csv(data.aids.gauges));
-    if (!data.aids.velocities.empty()) io::write_file(stage.path() / "log.csv", log_csv(data.aids.velocities));
-    if (!data.aids.headings.empty()) io::write_file(stage.path() / "compass.csv", compass_csv(data.aids.headings));
+    if (!data.instruments.gauges.empty()) io::write_file(stage.path() / "gauges.csv", gauges_csv(data.instruments.gauges));
+    if (!data.instruments.velocities.empty()) io::write_file(stage.path() / "log.csv", log_csv(data.instruments.velocities));
+    if (!data.instruments.headings.empty()) io::write_file(stage.path() / "compass.csv", compass_csv(data.instruments.headings));
     if (!r.ranges.empty()) io::write_file(stage.path() / "ranges.csv", io::ranges_csv(r.ranges));
     if (!data.stations.empty()) io::write_file(stage.path() / "stations.csv", io::stations_csv(data.stations));
     for (const auto& [name, text] : data.texts) io::write_file(stage.path() / name, text);

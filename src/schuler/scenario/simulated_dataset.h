@@ -1,7 +1,7 @@
 // A simulated data set: the logs exactly as in its files, and the truth, which is in no file.
 #pragma once
 
-#include "schuler/core/aid_samples.h"
+#include "schuler/core/instrument_logs.h"
 #include "schuler/core/samples.h"
 #include "schuler/io/text/csv/csv_ranges.h"
 #include "schuler/settings/scenario/scenario.h"
@@ -35,7 +35,7 @@ struct SimulatedDataset {
     settings::SettingList settings;
     Recording recording;
     sim::SimulatedData truth;
-    AidLog aids;
+    InstrumentLogs instruments;
     std::shared_ptr<const SimulatedSky> sky;  ///< of a receiver at correlator level; null if there is none
     std::vector<ReceiverRow> receiver_rows;   ///< only for that receiver
     std::vector<io::StationRow> stations;

@@ -88,12 +88,13 @@ void SimulatedReceiver::run(const fusion::ReceiverAiding& aiding, Time until, Ra
         const double tau = (aiding.antenna.r_e - first->position.r).norm() / c;
         const auto sent = sky_.satellite(i, now - tau);
         if (!sent) continue;
-        const fusion::LineOfSightAid aid =
-            fusion::line_of_sight_aid(aiding.antenna, at_reception(*sent, ellipsoid, tau), aiding.C_en, aiding.P);
+        const fusion::LineOfSightPrediction predicted =
+            fusion::line_of_sight_prediction(aiding.antenna, at_reception(*sent, ellipsoid, tau), aiding.C_en, aiding.P);
         const double jerk = aiding.jerk_e.dot((aiding.antenna.r_e - sent->position.r).normalized());
-        predictions_[i] = {{aid.range + clock - c * sent->clock, aid.rate + drift - c * sent->clock_rate, aid.acceleration, jerk},
-                           std::hypot(aid.std_range, aiding.std_clock),
-                           std::hypot(aid.std_rate, aiding.std_drift),
+        predictions_[i] = {{predicted.range + clock - c * sent->clock, predicted.rate + drift - c * sent->clock_rate,
+                            predicted.acceleration, jerk},
+                           std::hypot(predicted.std_range, aiding.std_clock),
+                           std::hypot(predicted.std_rate, aiding.std_drift),
                            drift};
     }
     bank_->guide(predictions_, now);

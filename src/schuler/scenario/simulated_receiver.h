@@ -63,7 +63,7 @@ private:
     void measure(RangingLog& log);
     void note();
     [[nodiscard]] bool partly_exact() const { return sky_.settings().exact_channels || sky_.settings().exact_clock; }
-    /// Takes out what the scenario wants exact; `t`: true time of the measurement.
+    /// Removes the errors that the scenario switches off; `t`: true time of the measurement.
     void make_exact(receiver::BankMeasurement& m, double t) const;
     /// m/s, mean of the last `span` s of the oscillator, or of as many as there are.
     [[nodiscard]] double clock_drift(double span) const;

@@ -39,12 +39,12 @@ std::set<std::string> keys_of(const SettingList& settings) {
 }
 
 /// Finds settings not in `given` and adds them as the lowest layer.
-void resolve(Dataset& d, const fs::path& path, dataset::Needs needs, const SettingList& given, bool may_find_aids) {
+void resolve(Dataset& d, const fs::path& path, dataset::Needs needs, const SettingList& given, bool may_find_companions) {
     const Config said = config_from(given);
     inspect::Given g = given_of(said, given, d.folder);
-    g.find_aids = may_find_aids;
-    g.find_imu = g.find_imu && may_find_aids;
-    g.find_gnss = g.find_gnss && may_find_aids && needs == dataset::Needs::ImuAndGnss;
+    g.find_companions = may_find_companions;
+    g.find_imu = g.find_imu && may_find_companions;
+    g.find_gnss = g.find_gnss && may_find_companions && needs == dataset::Needs::ImuAndGnss;
     g.weighs_field = needs == dataset::Needs::Attitude;
     if (said.scheme == Scheme::Gnss && said.imu.file.empty() && !g.find_logs) {  // nothing to search for
         needs = dataset::Needs::Imu;

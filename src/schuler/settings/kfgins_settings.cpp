@@ -32,7 +32,7 @@ SettingList kfgins_settings(const io::KfGinsProject& p, const std::filesystem::p
     c.gnss.file = relative_to(p.gnss_path, file.parent_path());
     c.filter.vehicle = fusion::VehicleKind::Car;
     c.nonholonomic = false;  // the project does not state the vehicle: the log must show it
-    c.filter.aids.nonholonomic_auto = true;
+    c.filter.constraints.nonholonomic_auto = true;
     c.filter.earth.gravity = earth::GravityModel::KfGins;
     c.filter.earth.ellipsoid.w_ie = 7.2921151467e-5;
     c.preset = "ins21";

@@ -38,7 +38,7 @@ inline void fill(const Value& v, const std::vector<Entry>& entries, const char* 
         else if (e->text != nullptr && x.text() != nullptr) *e->text = *x.text();
         else if (e->texts != nullptr && names)
             for (const Value& item : *x.list()) e->texts->push_back(*item.text());
-        else throw input_error(fmt::format("{} = {} has another kind", name, to_toml(x)), {}, form);
+        else throw input_error(fmt::format("{} = {} has the wrong type", name, to_toml(x)), {}, form);
     }
 }
 

@@ -22,7 +22,7 @@ namespace schuler::settings {
 enum class Shape { Number, Integer, Flag, Text, Numbers, Texts, Table, Tables, Any };
 
 /// What a file named on the command line has to be, where forms offer a choice of them.
-enum class FileRole { Any, Scenario, Dataset, DatasetOrScenario, Recording };
+enum class FileRole { Any, Scenario, DatasetOrScenario, Recording };
 
 /// Command line notation of an option.
 struct CommandLine {

@@ -14,7 +14,7 @@ namespace schuler::sim {
 /// simulation. The numbers are those that `simulate` computes without it, to the last bit. Immutable: any number of threads may read it.
 class ExactFlight {
 public:
-    /// Of the path, the Earth, the duration and the rates of a scenario, which must be valid; whatever else it says does not matter.
+    /// Of the path, the Earth, the duration and the rates of a scenario, which must be valid; all else in it does not matter.
     explicit ExactFlight(const Scenario& scenario);
 
     /// True if the other scenario has the same path, Earth, duration and rates, so that these numbers are its own.

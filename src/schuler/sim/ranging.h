@@ -47,7 +47,7 @@ struct RangeFault {
     /// While it is active: of the range, m, and of its rate, m/s.
     [[nodiscard]] double error(double t) const { return offset + ramp * (t - start); }
     [[nodiscard]] double rate_error() const { return ramp + rate; }
-    /// Of a signal that moves as its rate says, m.
+    /// Of a signal whose range changes by its rate, m.
     [[nodiscard]] double of_carrier(double t) const { return offset + rate_error() * (t - start); }
 };
 

@@ -14,7 +14,7 @@
 namespace schuler::solution {
 namespace {
 
-using fusion::AidKind;
+using fusion::MeasurementKind;
 
 constexpr double default_settle = 60.0;  // s after alignment, from the interface contract
 
@@ -64,15 +64,15 @@ std::vector<analysis::OutageStatistics> outages_of(const LoadedDataset& data, co
     return out;
 }
 
-std::vector<AidConsistency> aids_of(const std::vector<fusion::AidRecord>& records, Time settled) {
-    std::vector<AidConsistency> out;
+std::vector<MeasurementConsistency> measurements_of(const std::vector<fusion::MeasurementRecord>& records, Time settled) {
+    std::vector<MeasurementConsistency> out;
     for (const filter::MeasurementInfo& info : filter::measurement_infos) {
         std::vector<analysis::InnovationSample> samples;
-        for (const fusion::AidRecord& r : records) {
-            if (r.kind != info.kind || r.status == fusion::AidStatus::Withheld || r.time < settled) continue;
+        for (const fusion::MeasurementRecord& r : records) {
+            if (r.kind != info.kind || r.status == fusion::MeasurementStatus::Withheld || r.time < settled) continue;
             Eigen::Vector3d standardised = Eigen::Vector3d::Zero();
             for (int i = 0; i < 3; ++i) standardised[i] = r.sigma[i] > 0.0 ? r.innovation[i] / r.sigma[i] : 0.0;
-            samples.push_back({r.nis, r.dof, r.status == fusion::AidStatus::Accepted, standardised});
+            samples.push_back({r.nis, r.dof, r.status == fusion::MeasurementStatus::Accepted, standardised});
         }
         if (!samples.empty()) out.push_back({info.key, analysis::nis_statistics(samples)});
     }
@@ -138,7 +138,7 @@ Evaluation evaluate(const LoadedDataset& data, const fusion::Result& result, con
     }
     out.outages = outages_of(data, reference, solution, !smoothed);
     if (smoothed) out.outages_forward = outages_of(data, reference, result.forward, true);
-    out.aids = aids_of(result.aids, out.settled);
+    out.measurements = measurements_of(result.measurements, out.settled);
     bias_errors(solution, truth.sensors, out);
     out.separation = analysis::separation(c.filter.earth, result.forward.rows, result.backward);
     if (!out.separation.empty()) {

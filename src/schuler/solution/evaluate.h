@@ -17,8 +17,8 @@
 
 namespace schuler::solution {
 
-/// Statistics of one aid: "gnss_position", "baro", ...
-struct AidConsistency {
+/// Statistics of one kind of measurement: "gnss_position", "baro", ...
+struct MeasurementConsistency {
     std::string_view name;
     analysis::NisStatistics nis;
 };
@@ -33,7 +33,7 @@ struct Evaluation {
     analysis::ErrorSummary summary;
     std::optional<analysis::ErrorSummary> forward;
     std::optional<analysis::ConsistencySummary> consistency;
-    std::vector<AidConsistency> aids;
+    std::vector<MeasurementConsistency> measurements;
     std::vector<analysis::OutageStatistics> outages;          ///< of the solution
     std::vector<analysis::OutageStatistics> outages_forward;  ///< of the filter, if smoothed
     std::optional<Eigen::Vector3d> gyro_bias_error;           ///< estimate minus truth at the end, rad/s (simulated data)

@@ -15,8 +15,8 @@
 namespace schuler::solution {
 namespace {
 
-using fusion::AidKind;
-using fusion::AidStatus;
+using fusion::MeasurementKind;
+using fusion::MeasurementStatus;
 
 class Evidence {
 public:
@@ -240,9 +240,9 @@ private:
         Time since{}, from{};
         double longest = 0.0;
         bool running = false;
-        for (const fusion::AidRecord& r : b_.result.aids) {
-            if (r.kind != AidKind::GnssPosition || r.status == AidStatus::Withheld) continue;
-            if (r.status == AidStatus::Accepted) {
+        for (const fusion::MeasurementRecord& r : b_.result.measurements) {
+            if (r.kind != MeasurementKind::GnssPosition || r.status == MeasurementStatus::Withheld) continue;
+            if (r.status == MeasurementStatus::Accepted) {
                 running = false;
                 continue;
             }
@@ -256,7 +256,7 @@ private:
     }
 
     /// Where the receiver was silent for so long that the prediction cannot test what it says afterwards, a fix that is off by as much as
-    /// the prediction is believed, for good if it stays so: the log has nothing that contradicts it.
+    /// the prediction is accepted, for good if it stays so: the log has nothing that contradicts it.
     void found_again() {
         if (b_.data.true_reference) return;                      // the truth tells
         constexpr double sigmas = 5.0, least = 1.0, soon = 1.0;  // m, s
@@ -265,11 +265,12 @@ private:
         int found = 0;
         double farthest = 0.0, silence = 0.0;
         Time at{};
-        for (const fusion::AidRecord& r : b_.result.aids) {
-            if (r.kind != AidKind::GnssPosition || !(r.sigma.x() > 0.0)) continue;
+        for (const fusion::MeasurementRecord& r : b_.result.measurements) {
+            if (r.kind != MeasurementKind::GnssPosition || !(r.sigma.x() > 0.0)) continue;
             const double since = last ? (r.time - *last).seconds() : 0.0;
             last = r.time;
-            if (since <= filter::interruption || r.status != AidStatus::Accepted || r.time < b_.result.findings.aligned_at)
+            if (since <= filter::interruption || r.status != MeasurementStatus::Accepted ||
+                r.time < b_.result.findings.aligned_at)
                 continue;
             const auto row = std::ranges::lower_bound(rows, r.time + Duration::from_seconds(soon), {}, &SolutionRow::time);
             if (row == rows.end()) break;
@@ -292,9 +293,10 @@ private:
     void refused_instruments() {
         constexpr std::size_t enough = 10;
         std::array<Inside, filter::measurement_kinds> used;
-        for (const fusion::AidRecord& r : b_.result.aids)
-            if (r.status != AidStatus::Withheld) used[static_cast<std::size_t>(r.kind)].add(r.status == AidStatus::Accepted);
-        for (const AidKind kind : filter::instrument_kinds) {
+        for (const fusion::MeasurementRecord& r : b_.result.measurements)
+            if (r.status != MeasurementStatus::Withheld)
+                used[static_cast<std::size_t>(r.kind)].add(r.status == MeasurementStatus::Accepted);
+        for (const MeasurementKind kind : filter::instrument_kinds) {
             const Inside& n = used[static_cast<std::size_t>(kind)];
             if (n.epochs >= enough && n.share() < 0.5)
                 add("instrument.refused", "{} of {} measurements were refused ({}): they contradict the solution",

@@ -95,9 +95,9 @@ ResultBundle simulated_bundle(const settings::ScenarioConfig& scenario, const se
     bundle.name = config.name;
     bundle.seed = simulated.seed;
     bundle.published = scenario.published;
-    simulated.recording.gauges = std::move(simulated.aids.gauges);
-    simulated.recording.body_velocity = std::move(simulated.aids.velocities);
-    simulated.recording.heading = std::move(simulated.aids.headings);
+    simulated.recording.gauges = std::move(simulated.instruments.gauges);
+    simulated.recording.body_velocity = std::move(simulated.measurements.velocities);
+    simulated.recording.heading = std::move(simulated.measurements.headings);
     bundle.data = settled_dataset(std::move(simulated.recording), config, warnings, std::move(given));
     bundle.sky = std::move(simulated.sky);
     bundle.receiver_rows = std::move(simulated.receiver_rows);

@@ -12,21 +12,21 @@
 namespace schuler::solution {
 namespace {
 
-using fusion::AidKind;
-using fusion::AidRecord;
-using fusion::AidStatus;
+using fusion::MeasurementKind;
+using fusion::MeasurementRecord;
+using fusion::MeasurementStatus;
 
 struct Instant {
     Time time;
     SourceState state;
 };
 
-SourceState state_of(const AidRecord& r) {
+SourceState state_of(const MeasurementRecord& r) {
     switch (r.status) {
-        case AidStatus::Accepted: return r.other_level ? SourceState::Distrusted : SourceState::Used;
-        case AidStatus::Rejected: return SourceState::Refused;
-        case AidStatus::Withheld: return SourceState::Withheld;
-        case AidStatus::Excluded: return SourceState::Distrusted;
+        case MeasurementStatus::Accepted: return r.other_level ? SourceState::Distrusted : SourceState::Used;
+        case MeasurementStatus::Rejected: return SourceState::Refused;
+        case MeasurementStatus::Withheld: return SourceState::Withheld;
+        case MeasurementStatus::Excluded: return SourceState::Distrusted;
     }
     return SourceState::Used;
 }
@@ -182,11 +182,11 @@ std::string_view name_of(SourceState state) {
 std::vector<HealthInterval> health_of(const LoadedDataset& data, const fusion::Result& result) {
     std::vector<HealthInterval> out = imu_intervals(data.recording.imu, data.config.filter.imu);
     const std::optional<Span> run = span_of(data, result);
-    std::vector<AidKind> sources{AidKind::GnssPosition, AidKind::GnssVelocity};
+    std::vector<MeasurementKind> sources{MeasurementKind::GnssPosition, MeasurementKind::GnssVelocity};
     sources.insert(sources.end(), filter::instrument_kinds.begin(), filter::instrument_kinds.end());
-    for (const AidKind kind : sources) {
+    for (const MeasurementKind kind : sources) {
         std::vector<Instant> records, instants;
-        for (const AidRecord& r : result.aids)
+        for (const MeasurementRecord& r : result.measurements)
             if (r.kind == kind) records.push_back({r.stamp, state_of(r)});
         std::ranges::stable_sort(records, {}, &Instant::time);
         for (const Instant& r :
@@ -194,7 +194,7 @@ std::vector<HealthInterval> health_of(const LoadedDataset& data, const fusion::R
             if (instants.empty() || instants.back().time != r.time) instants.push_back(r);
             else if (r.state == SourceState::Refused) instants.back().state = r.state;
         }
-        if (kind == AidKind::GnssPosition && !instants.empty()) {
+        if (kind == MeasurementKind::GnssPosition && !instants.empty()) {
             const std::size_t met = instants.size();
             const Time first = run ? std::min(run->begin, instants.front().time) : instants.front().time,
                        last = run ? std::max(run->end, instants.back().time) : instants.back().time;
@@ -219,7 +219,7 @@ std::vector<HealthInterval> disputes_of(std::span<const HealthInterval> health) 
     std::vector<HealthInterval> out;
     std::size_t refused = 0, all = 0;
     for (const HealthInterval& h : health) {
-        if (h.source != filter::info_of(AidKind::GnssVelocity).key) continue;
+        if (h.source != filter::info_of(MeasurementKind::GnssVelocity).key) continue;
         all += h.samples;
         if (h.state != SourceState::Refused || h.samples < several || (h.to - h.from).seconds() < long_enough) continue;
         out.push_back(h);

@@ -40,7 +40,7 @@ struct HealthInterval {
 [[nodiscard]] std::vector<HealthInterval> health_of(const LoadedDataset& data, const fusion::Result& result);
 
 /// Where the velocities of the receiver were refused for longer than a wrong navigation would have taken to show: it was at fault. None if that is
-/// so for more than a fifth of them: such velocities say nothing about the positions.
+/// so for more than a fifth of them: such velocities do not describe the change of the positions.
 [[nodiscard]] std::vector<HealthInterval> disputes_of(std::span<const HealthInterval> health);
 
 }  // namespace schuler::solution

@@ -1,6 +1,7 @@
 #include "schuler/solution/ignored.h"
 
 #include "schuler/fusion/start.h"
+#include "schuler/settings/config/applicability.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/solution/bundle.h"
 
@@ -112,58 +113,43 @@ std::vector<Rule> inertial_rules(const ResultBundle& b) {
     const auto but_for_start = [&](bool effect, const char* reason) {
         return unless(effect, std::string(reason) + (f.initial.rpy.allFinite() ? "" : start_alone));
     };
-    return {
-        {{"filter.aggressive_parts"},
-         unless(f.loose_kind == fusion::LooseKind::Aggressive, "filter.loose is not \"aggressive\"")},
-        {{"gnss.consider_errors"}, but_for_start(c.scheme == settings::Scheme::Loose, "the scheme is not \"loose\"")},
-        {{"gnss.consider_errors"},
-         unless(!f.gnss.errors.correlated_position.isZero(0.0) || !f.gnss.errors.correlated_velocity.isZero(0.0),
-                "the fixes have no slow errors (gnss.correlated_m, gnss.correlated_velocity_m_s)")},
-        {{"filter.separate."}, unless(c.scheme == settings::Scheme::Separate, "the scheme is not \"separate\"")},
-        {{"filter.integrity."},
-         tight ? "it watches a receiver's fixes; ranges are watched by filter.protection"
-               : unless(f.integrity.use, "filter.integrity.use is not on")},
-        {{"filter.preset"}, why_preset_is_overruled(c)},
-        {{"filter.loose"}, unless(c.scheme == settings::Scheme::Loose, "the scheme is not \"loose\"")},
-        {{"filter.loop"},
-         unless(c.scheme != settings::Scheme::Separate,
-                "the corrections of the separate scheme are its coupling: the loop is closed")},
-        {{"filter.protection."},
-         unless(tight && f.ranging.protection.use, "it belongs to tight coupling with filter.protection.use")},
-        {{"filter.feedback_"}, unless(f.loop == fusion::Loop::Mixed, "filter.loop is not \"mixed\"")},
-        {{"filter.nonholonomic_std_", "filter.constraint_rate_hz"},
-         unless(f.aids.nonholonomic || f.aids.nonholonomic_auto, "the vehicle constraint is not used")},
-        {{"filter.zero_velocity_std_m_s", "filter.zero_rate_std_deg_s"},
-         unless(f.aids.zero_velocity, "filter.zero_velocity is off")},
-        {{"filter.zero_", "filter.nonholonomic", "filter.detect_wheels", "filter.constraint_rate_hz", "filter.floor_", "mag.",
-          "odometer.", "heading.", "compass.", "gauges.", "log.", "vehicle.leeway_deg"},
-         but_for_start(!separate, "the separate scheme is corrected by position, velocity and height alone")},
-        {{"imu.mounting_std_deg"}, unless(!separate, "the separate scheme uses no motion of the vehicle")},
-        {{"gnss.latency_", "gnss.velocity_latency_", "gnss.height_latency_s", "gnss.velocity_down_latency_s", "gnss.jitter_s",
-          "gnss.correlated_", "gnss.change_", "gnss.std_", "gnss.velocity_std_scale"},
-         unless(!tight, "the coupling takes ranges; fixes serve the start, and as reference where ranges are withheld")},
-        {{"filter.detect_wheels"},
-         unless(f.vehicle != fusion::VehicleKind::Car || !f.aids.nonholonomic, "a car has the vehicle constraint without it")},
-        {{"ranges.network_m"},
-         unless(kinds_of_sources(b).stations && kinds_of_sources(b).systems > 0,
-                "the ranges are not of both satellites and stations")},
-        {{"ranges.intersystem_m"}, unless(kinds_of_sources(b).systems > 1, "the ranges are those of one satellite system")},
-        {{"filter.zero_velocity_std_m_s", "filter.zero_rate_std_deg_s"},
-         unless(std::ranges::any_of(b.result.aids, [](const auto& r) { return r.kind == fusion::AidKind::ZeroVelocity; }),
-                "no standstill was found")},
-        {{"ranges.receiver_acceleration_m_s_sqrt_s"},
-         unless(c.scheme == settings::Scheme::Intermediate, "the scheme is not \"intermediate\"")},
-        {{"ranges.white_m"},
-         unless(!tight || !ranges_state_all(b.data.recording.ranges, &RangeSample::std),
-                "the log states the sigmas of all ranges")},
-        {{"ranges.rate_m_s"},
-         unless(!tight || !ranges_state_all(b.data.recording.ranges, &RangeSample::std_rate),
-                "the log states the sigmas of all rates")},
-        {{"ranges.use_stations"},
-         unless(std::ranges::any_of(b.data.recording.ranges.sources, &RangeSource::station), "there are no ground stations")},
-        {{"ranges."}, unless(tight || (c.gnss.file.empty() && !b.data.recording.ranges.empty()), "no ranges are used")},
-        {{"filter.self_check"}, unless(b.command == "process", "it belongs to `schuler process`")},
-        {{"gravity.", "anomaly."}, "it belongs to `schuler gravity`"}};
+    return {{{"gnss.consider_errors"}, but_for_start(c.scheme == settings::Scheme::Loose, "the scheme is not \"loose\"")},
+            {{"gnss.consider_errors"},
+             unless(!f.gnss.errors.correlated_position.isZero(0.0) || !f.gnss.errors.correlated_velocity.isZero(0.0),
+                    "the fixes have no slow errors (gnss.correlated_m, gnss.correlated_velocity_m_s)")},
+            {{"filter.preset"}, why_preset_is_overruled(c)},
+            {{"filter.loop"},
+             unless(c.scheme != settings::Scheme::Separate,
+                    "the corrections of the uncoupled scheme are its coupling: the loop is closed")},
+            {{"filter.zero_", "filter.nonholonomic", "filter.detect_wheels", "filter.constraint_rate_hz", "filter.floor_", "mag.",
+              "odometer.", "heading.", "compass.", "gauges.", "log.", "vehicle.leeway_deg"},
+             but_for_start(!separate, "the uncoupled scheme is corrected by position, velocity and height alone")},
+            {{"imu.mounting_std_deg"}, unless(!separate, "the uncoupled scheme uses no motion of the vehicle")},
+            {{"gnss.latency_", "gnss.velocity_latency_", "gnss.height_latency_s", "gnss.velocity_down_latency_s", "gnss.jitter_s",
+              "gnss.correlated_", "gnss.change_", "gnss.std_", "gnss.velocity_std_scale"},
+             unless(!tight, "the coupling takes ranges; fixes serve the start, and as reference where ranges are withheld")},
+            {{"filter.detect_wheels"},
+             unless(f.vehicle != fusion::VehicleKind::Car || !f.constraints.nonholonomic,
+                    "a car has the vehicle constraint without it")},
+            {{"ranges.network_m"},
+             unless(kinds_of_sources(b).stations && kinds_of_sources(b).systems > 0,
+                    "the ranges are not of both satellites and stations")},
+            {{"ranges.intersystem_m"}, unless(kinds_of_sources(b).systems > 1, "the ranges are those of one satellite system")},
+            {{"filter.zero_velocity_std_m_s", "filter.zero_rate_std_deg_s"},
+             unless(std::ranges::any_of(b.result.measurements,
+                                        [](const auto& r) { return r.kind == fusion::MeasurementKind::ZeroVelocity; }),
+                    "no standstill was found")},
+            {{"ranges.white_m"},
+             unless(!tight || !ranges_state_all(b.data.recording.ranges, &RangeSample::std),
+                    "the log states the sigmas of all ranges")},
+            {{"ranges.rate_m_s"},
+             unless(!tight || !ranges_state_all(b.data.recording.ranges, &RangeSample::std_rate),
+                    "the log states the sigmas of all rates")},
+            {{"ranges.use_stations"},
+             unless(std::ranges::any_of(b.data.recording.ranges.sources, &RangeSource::station), "there are no ground stations")},
+            {{"ranges."}, unless(tight || (c.gnss.file.empty() && !b.data.recording.ranges.empty()), "no ranges are used")},
+            {{"filter.self_check"}, unless(b.command == "process", "it belongs to `schuler process`")},
+            {{"gravity.", "anomaly."}, "it belongs to `schuler gravity`"}};
 }
 
 /// Settings disabled by gravimetry::gravity27 in `schuler gravity`. Without [initial], a prior run uses them to find the start.
@@ -246,7 +232,7 @@ std::vector<Rule> sensor_rules(const ResultBundle& b) {
                 "the course is used for ships without a heading sensor that make a metre per second or more")},
         {{"gauges."}, unless(!r.gauges.empty(), "no gauges are used")},
         {{"log."}, unless(!r.body_velocity.empty(), "no log of velocity is used")},
-        {{"compass."}, unless(f.heading.use && !r.heading.empty() && !c.aids.compass.file.empty(), "no compass is used")},
+        {{"compass."}, unless(f.heading.use && !r.heading.empty() && !c.instruments.compass.file.empty(), "no compass is used")},
         {{"gnss.observations", "gnss.navigation"},
          unless(raw || !c.ranges.file.empty(), "gnss.file gives the fixes, and the coupling is loose")},
         {{"gnss.elevation_mask_deg"},
@@ -346,7 +332,12 @@ std::vector<Ignored> ignored_of(const ResultBundle& b, const std::set<std::strin
                "imu.found_mounting_",
                "initial."},
               "the scheme is \"gnss\": there is no filter"}});
-    else if (b.command != "gravity") std::ranges::move(inertial_rules(b), std::back_inserter(rules));
+    else if (b.command != "gravity") {
+        for (const std::string& key : given)
+            if (const std::string_view reason = settings::idle_reason(key, b.data.config); !reason.empty())
+                rules.push_back({{key}, std::string(reason)});
+        std::ranges::move(inertial_rules(b), std::back_inserter(rules));
+    }
     std::vector<Ignored> ignored;
     for (const std::string& key : given) {
         const bool contrary = key == "filter.smooth" && b.command == "gravity";  // its default is the smoother

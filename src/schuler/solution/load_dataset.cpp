@@ -39,9 +39,9 @@ dataset::Reading reading_of(const settings::Config& c) {
     // body to sensor: the axes, then the mounting
     reading.C_bs = math::dcm_from_rpy(c.filter.imu.mounting_rpy) * c.filter.imu.C_bs;
     reading.C_imu_mag = settings::C_imu_mag(c);
-    reading.gauges = c.aids.gauges.file;
-    reading.log = c.aids.log.file;
-    reading.compass = c.aids.compass.file;
+    reading.gauges = c.instruments.gauges.file;
+    reading.log = c.instruments.log.file;
+    reading.compass = c.instruments.compass.file;
     return reading;
 }
 
@@ -54,7 +54,7 @@ std::set<std::string> found_files(const settings::Dataset& dataset) {
     return sections;
 }
 
-/// An aid that was found and cannot be read is as one that is not there, so that the dumped settings repeat the run.
+/// A companion log that was found and cannot be read is as one that is not there, so that the dumped settings repeat the run.
 void leave_out(const std::vector<std::string>& sections, LoadedDataset& out) {
     settings::Config& c = out.config;
     const std::map<std::string, dataset::FileSource*> sources = {
@@ -189,18 +189,18 @@ void settle_times(LoadedDataset& out) {
 }
 
 /// Assumed errors of gauges, DVL and compass, for the instruments with samples.
-void assume_aid_errors(settings::Config& c) {
-    const settings::AidsConfig& aids = c.aids;
-    c.filter.gauges.std = aids.gauges.white;
-    c.filter.gauges.level_std = aids.gauges.bias;
-    std::ranges::copy(aids.gauges.lever_arms_b, c.filter.gauges.lever_arms_b.begin());
-    c.filter.log = {.std = aids.log.white,
-                    .scale_std = aids.log.scale,
-                    .misalignment_std = aids.log.misalignment,
-                    .lever_arm_b = aids.log.lever_arm_b};
-    if (aids.compass.file.empty()) return;
-    c.filter.heading.std = aids.compass.white;
-    c.filter.heading.offset_std = aids.compass.bias;
+void assume_instrument_errors(settings::Config& c) {
+    const settings::InstrumentsConfig& instruments = c.instruments;
+    c.filter.gauges.std = instruments.gauges.white;
+    c.filter.gauges.level_std = instruments.gauges.bias;
+    std::ranges::copy(instruments.gauges.lever_arms_b, c.filter.gauges.lever_arms_b.begin());
+    c.filter.log = {.std = instruments.log.white,
+                    .scale_std = instruments.log.scale,
+                    .misalignment_std = instruments.log.misalignment,
+                    .lever_arm_b = instruments.log.lever_arm_b};
+    if (instruments.compass.file.empty()) return;
+    c.filter.heading.std = instruments.compass.white;
+    c.filter.heading.offset_std = instruments.compass.bias;
 }
 
 /// Near the poles the geographic frame is not usable: the Earth-fixed one is selected if none is given.
@@ -265,7 +265,7 @@ LoadedDataset settled_dataset(Recording recording, const settings::Config& confi
     out.given = std::move(given);
     out.recording = std::move(recording);
     out.config = config;
-    assume_aid_errors(out.config);
+    assume_instrument_errors(out.config);
     if (out.recording.gnss.empty() && !out.recording.ranges.empty()) take_fixes_from_ranges(out);
     dataset::settle_pressures(out.recording.baro, out.config.sea_level_pressure);
     settle_heights(out, warnings);
@@ -295,7 +295,7 @@ LoadedDataset load_dataset(const settings::Dataset& dataset, const settings::Con
     out.facts = dataset.facts;
     out.config.filter.gnss.latency_found = std::ranges::none_of(
         out.given, [](const std::string& key) { return key.starts_with("gnss.") && key.ends_with("latency_s"); });
-    assume_aid_errors(out.config);
+    assume_instrument_errors(out.config);
     // The inertial unit shows the slips of single phases, which a solution by satellites alone may miss. With a base the phases are
     // measurements themselves. They are so exact that errors of second order in attitude and lever arm would tell the latter.
     if (out.config.scheme == settings::Scheme::Tight && !out.given.contains("gnss.phase_velocity"))

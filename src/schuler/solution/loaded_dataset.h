@@ -1,8 +1,8 @@
 // A data set loaded into a recording, with final settings: the input of a run.
 #pragma once
 
-#include "schuler/core/aid_samples.h"
 #include "schuler/core/fact.h"
+#include "schuler/core/instrument_logs.h"
 #include "schuler/core/log.h"
 #include "schuler/core/samples.h"
 #include "schuler/dataset/carrier_phase.h"

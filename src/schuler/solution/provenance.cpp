@@ -180,9 +180,9 @@ void take_in_force(settings::Config& c, const fusion::Findings& findings) {
     f.gnss.estimate_latency = f.gnss.estimate_std = false;
     f.baro = s.baro;
     f.mag = s.mag;
-    f.aids.nonholonomic = s.aids.nonholonomic;
-    f.aids.nonholonomic_auto = s.aids.nonholonomic_auto;
-    c.nonholonomic = s.aids.nonholonomic;
+    f.constraints.nonholonomic = s.constraints.nonholonomic;
+    f.constraints.nonholonomic_auto = s.constraints.nonholonomic_auto;
+    c.nonholonomic = s.constraints.nonholonomic;
 }
 
 std::string config_in_force(const LoadedDataset& data) {

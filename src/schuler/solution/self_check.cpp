@@ -16,8 +16,8 @@
 namespace schuler::solution {
 namespace {
 
-using fusion::AidKind;
-using fusion::AidStatus;
+using fusion::MeasurementKind;
+using fusion::MeasurementStatus;
 
 /// Intervals of standstill and turns in a run.
 class Regimes {
@@ -45,9 +45,10 @@ std::vector<CheckFix> fixes_of(const LoadedDataset& data, const fusion::Result& 
     std::vector<double> sigmas;
     const Regimes regime(result.forward.rows);
     const auto t = [&](Time time) { return (time - data.origin).seconds(); };
-    for (const fusion::AidRecord& r : result.aids)
-        if (r.kind == AidKind::GnssPosition && r.sigma.x() > 0.0 && r.status != AidStatus::Withheld) {
-            fixes.push_back({t(r.stamp), r.status == AidStatus::Accepted && !r.other_level, regime.at(r.stamp) != Regime::Rest});
+    for (const fusion::MeasurementRecord& r : result.measurements)
+        if (r.kind == MeasurementKind::GnssPosition && r.sigma.x() > 0.0 && r.status != MeasurementStatus::Withheld) {
+            fixes.push_back(
+                {t(r.stamp), r.status == MeasurementStatus::Accepted && !r.other_level, regime.at(r.stamp) != Regime::Rest});
             sigmas.push_back(r.sigma.head<2>().norm());
         }
     if (fusion::uses_ranges(data.config.filter.coupling))
@@ -65,9 +66,9 @@ std::vector<CheckFix> fixes_of(const LoadedDataset& data, const fusion::Result& 
 
 std::array<FixRegime, regimes> by_regime(const fusion::Result& result, const Regimes& motion) {
     std::array<FixRegime, regimes> out;
-    for (const fusion::AidRecord& r : result.aids) {
-        const bool used = r.status == AidStatus::Accepted;
-        if (r.kind != AidKind::GnssPosition || r.status == AidStatus::Withheld || r.dof == 0 ||
+    for (const fusion::MeasurementRecord& r : result.measurements) {
+        const bool used = r.status == MeasurementStatus::Accepted;
+        if (r.kind != MeasurementKind::GnssPosition || r.status == MeasurementStatus::Withheld || r.dof == 0 ||
             r.time < result.findings.aligned_at)
             continue;
         FixRegime& f = out[static_cast<std::size_t>(motion.at(r.time))];
@@ -144,7 +145,7 @@ std::vector<WithheldEpoch> both(const std::vector<WithheldEpoch>& a, const std::
 
 /// True if neither a barometer nor wheels support the height while there is no fix.
 bool height_is_free(const LoadedDataset& data, const fusion::Settings& s) {
-    return (data.recording.baro.empty() || !s.baro.use) && !s.aids.nonholonomic && !s.aids.nonholonomic_auto;
+    return (data.recording.baro.empty() || !s.baro.use) && !s.constraints.nonholonomic && !s.constraints.nonholonomic_auto;
 }
 
 using Halves = std::array<std::vector<WithheldEpoch>, 2>;

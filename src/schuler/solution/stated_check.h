@@ -23,7 +23,7 @@ struct LeverArmDoubt {
 
 /// Processes the log again with the lever arm as a state, and once more from the result if it moved far. Empty if it is already a
 /// state, if the log agrees, if a given one is not observed (neither is it with an unknown heading), or with filter.self_check off.
-/// In tight coupling with a base the fixes by carrier phase are processed in loose coupling for it, and the result is only told:
+/// In tight coupling with a base the fixes by carrier phase are processed in loose coupling for it, and the result is only reported:
 /// the phases are too exact for the errors of second order of a lever arm as a state.
 [[nodiscard]] std::optional<LeverArmDoubt> doubt_of_lever_arm(const LoadedDataset& data, const fusion::Result& result);
 

@@ -38,9 +38,9 @@ constexpr auto channels = [](auto& s) -> auto& { return s.receiver_channels; };
 constexpr auto multipath = [](auto& s) -> auto& { return s.ranging.settings.multipath; };
 constexpr auto baro = [](auto& s) -> auto& { return s.sim.baro; };
 constexpr auto mag = [](auto& s) -> auto& { return s.sim.mag; };
-constexpr auto gauges = [](auto& s) -> auto& { return s.aids.gauges; };
-constexpr auto velocity_log = [](auto& s) -> auto& { return s.aids.log; };
-constexpr auto compass = [](auto& s) -> auto& { return s.aids.compass; };
+constexpr auto gauges = [](auto& s) -> auto& { return s.instruments.gauges; };
+constexpr auto velocity_log = [](auto& s) -> auto& { return s.instruments.log; };
+constexpr auto compass = [](auto& s) -> auto& { return s.instruments.compass; };
 
 /// Copies fields of one part.
 template <auto Part, auto... Fields>
@@ -151,9 +151,9 @@ settings::ScenarioConfig without_errors(const settings::ScenarioConfig& full) {
     bare.receiver_channels.exact_channels = bare.receiver_channels.exact_clock = true;
     bare.ranging.settings.multipath.amplitude = 0.0;
     bare.sim.mag.white = bare.sim.mag.hard_iron = bare.sim.mag.soft_iron = 0.0;
-    bare.aids.gauges.white = bare.aids.gauges.bias = 0.0;
-    bare.aids.log.white = bare.aids.log.scale = bare.aids.log.misalignment = 0.0;
-    bare.aids.compass.white = bare.aids.compass.bias = 0.0;
+    bare.instruments.gauges.white = bare.instruments.gauges.bias = 0.0;
+    bare.instruments.log.white = bare.instruments.log.scale = bare.instruments.log.misalignment = 0.0;
+    bare.instruments.compass.white = bare.instruments.compass.bias = 0.0;
     bare.initial_error.position = bare.initial_error.velocity = 0.0;
     if (bare.initial_error.given()) bare.initial_error.level = bare.initial_error.heading = 0.0;
     return bare;

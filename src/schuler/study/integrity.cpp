@@ -69,9 +69,9 @@ std::vector<Finding> findings_of(const solution::ResultBundle& b) {
     for (const fusion::ProtectionRow& row : b.result.forward.protection)
         if (row.alarm >= 0) out.push_back({row.time, row.alarm});
     std::map<int, bool> left_out;  // whether a source was excluded at its last epoch
-    for (const fusion::AidRecord& r : b.result.aids) {
-        if (r.kind != fusion::AidKind::Pseudorange) continue;
-        const bool now = r.status == fusion::AidStatus::Rejected;
+    for (const fusion::MeasurementRecord& r : b.result.measurements) {
+        if (r.kind != fusion::MeasurementKind::Pseudorange) continue;
+        const bool now = r.status == fusion::MeasurementStatus::Rejected;
         if (now && left_out[r.source]) out.push_back({r.stamp, r.source});
         left_out[r.source] = now;
     }

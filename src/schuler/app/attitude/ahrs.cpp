@@ -103,7 +103,7 @@ report::Outcome ahrs_dataset(const AhrsRequest& request) {
                           "give at least 0.1 s of samples; `schuler inspect` shows what is wrong with them");
     tell(b.result.counters, warnings);
     if (!b.result.resting_rate.isZero())
-        warnings.add("ahrs.gyro.bias", fmt::format("the gyros read {:.2f} deg/s at rest, which is taken off their rates as bias",
+        warnings.add("ahrs.gyro.bias", fmt::format("the gyros read {:.2f} deg/s at rest, which is subtracted as bias",
                                                    b.result.resting_rate.norm() / units::deg_per_s));
     warn_of_field_upward(b, warnings);
     if (input.settings.filter != ahrs::FilterKind::Mekf && input.field_from_model) turn_to_true_north(b);

@@ -77,9 +77,10 @@ void settle_gyro_unit(AhrsInput& input, WarningLog& warnings) {
     const bool settled = wrong_unit(field, clear) == unit || wrong_unit(force, clear) == unit;
     if (settled)
         for (ImuSample& s : input.imu) s.gyro *= *unit;
-    const char* what = *unit < 1.0
-                           ? "the gyro's rates are some 57 times those that accelerometer and magnetometer show: deg/s?"
-                           : "the gyro's rates are a 57th of those that accelerometer and magnetometer show: converted twice?";
+    const char* what =
+        *unit < 1.0
+            ? "the gyro's rates are about 57 times those implied by accelerometer and magnetometer: are they in deg/s?"
+            : "the gyro's rates are a 57th of those implied by accelerometer and magnetometer: were they converted twice?";
     warnings.add("ahrs.gyro.unit",
                  settled ? fmt::format("{} they are multiplied by {:.7g}; give [imu] scale = {{ gyro_rad_s = {:.7g} }}", what,
                                        *unit, *unit)

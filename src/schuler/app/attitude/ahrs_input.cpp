@@ -128,12 +128,12 @@ void synchronise(AhrsInput& out, const std::set<std::string>& given, WarningLog&
     const bool is_given = given.contains("mag.time_offset_s");
     warnings.add(
         "ahrs.mag.delay",
-        fmt::format("the magnetometer's times are {:.2f} s {} against the IMU's (the gyro explains {:.0f} % of its changes, "
-                    "and {:.0f} % with that corrected): {}",
-                    std::abs(clock.delay), clock.delay > 0.0 ? "late" : "early", 100.0 * clock.as_given, 100.0 * clock.explained,
-                    is_given ? fmt::format("this contradicts the given mag.time_offset_s, which is used; add {:.2f} s to it",
-                                           -clock.delay)
-                             : fmt::format("corrected; [mag] time_offset_s = {:.2f} states it", -clock.delay)));
+        fmt::format(
+            "the magnetometer's times are {:.2f} s {} against the IMU's ({:.0f} % of the field's variation is consistent with the gyro, and {:.0f} % with that corrected): {}",
+            std::abs(clock.delay), clock.delay > 0.0 ? "late" : "early", 100.0 * clock.as_given, 100.0 * clock.explained,
+            is_given
+                ? fmt::format("this contradicts the given mag.time_offset_s, which is used; add {:.2f} s to it", -clock.delay)
+                : fmt::format("corrected; [mag] time_offset_s = {:.2f} states it", -clock.delay)));
     if (is_given) return;
     for (MagSample& s : out.mag) s.time = s.time - Duration::from_seconds(clock.delay);
     std::erase_if(out.mag, [&](const MagSample& s) { return s.time < out.imu.front().time; });
@@ -150,7 +150,7 @@ void take_off_magnet(AhrsInput& out, WarningLog& warnings) {
     double& std = out.settings.mekf.heading.hard_iron_std;
     std = std::hypot(std, magnet->std);
     warnings.add("ahrs.mag.magnet",
-                 fmt::format("a constant field of {:.0f} uT turns with the sensor: a magnet or iron on it, which was taken off",
+                 fmt::format("a constant field of {:.0f} uT turns with the sensor: a magnet or iron on it, which is subtracted",
                              magnet->field_b.norm() / units::microtesla));
 }
 
@@ -168,10 +168,10 @@ void straighten(AhrsInput& out, WarningLog& warnings) {
     }
     warnings.add(
         "ahrs.mag.axes.turned",
-        fmt::format("the magnetometer turns with the gyro only as {} (body axis = reading; the gyro explains {:.0f} % of its "
-                    "changes, {:.0f} % as given): it was turned so{}; name its columns accordingly",
-                    ahrs::axes_text(out.axes.C_bs), 100.0 * out.axes.explained, 100.0 * out.axes.as_given,
-                    out.axes.sign_assumed ? ", the field taken to point down, as north of the equator" : ""));
+        fmt::format(
+            "the magnetometer turns with the gyro only as {} (body axis = reading; {:.0f} % of the field's variation is consistent with the gyro, {:.0f} % as given): the axes were remapped accordingly{}; name its columns accordingly",
+            ahrs::axes_text(out.axes.C_bs), 100.0 * out.axes.explained, 100.0 * out.axes.as_given,
+            out.axes.sign_assumed ? ", the field taken to point down, as north of the equator" : ""));
 }
 
 void calibrate(AhrsInput& out, WarningLog& warnings) {

@@ -49,7 +49,7 @@ report::Group attitude_panels(const AhrsBundle& b) {
 
 report::Group error_panels(const AhrsBundle& b) {
     report::Group group{"Errors against the reference in movement"};
-    report::Panel heading{"heading error, constant offset taken off", "reference epoch", "deg"};
+    report::Panel heading{"heading error, constant offset removed", "reference epoch", "deg"};
     report::Panel tilt{"inclination error", "reference epoch", "deg"};
     heading.time_axis = tilt.time_axis = false;
     report::Series h{"heading", {}, {}}, i{"inclination", {}, {}, report::Ink::Vermillion};
@@ -81,9 +81,9 @@ std::string ahrs_report_html(const AhrsBundle& b) {
     const analysis::BroadErrors& e = b.evaluation.broad;
     if (e.epochs > 0) {
         page.cards = {{"total error", fmt::format("{} deg", report::number(e.total / units::deg, 3)),
-                       "RMS in movement, constant heading offset taken off"},
+                       "RMS in movement, constant heading offset removed"},
                       {"total error, raw", fmt::format("{} deg", report::number(e.raw_total / units::deg, 3)),
-                       "RMS in movement, nothing taken off"},
+                       "RMS in movement, nothing removed"},
                       {"heading", fmt::format("{} deg", report::number(e.heading / units::deg, 3)), "constant offset taken off"},
                       {"inclination", fmt::format("{} deg", report::number(e.inclination / units::deg, 3)), "RMS"}};
         section.groups.push_back(error_panels(b));

@@ -41,6 +41,13 @@ Option<R> written(const char* value_name, Option<R> option) {
     return option;
 }
 
+/// Another help than that of the setting, where the command narrows it.
+template <class R>
+Option<R> described(const char* help, Option<R> option) {
+    option.spec.help = help;
+    return option;
+}
+
 /// Default value.
 template <class R>
 Option<R> otherwise(const char* text, Option<R> option) {
@@ -124,15 +131,14 @@ Option<R> one_of(std::string key, std::vector<std::string> choices, std::string 
     return option;
 }
 
-/// An option that sets a setting of the data set; unit, range and choices are those of the setting.
+/// An option that sets a setting of the data set; unit, range, choices and help are those of the setting.
 template <class R, class Access>
-Option<R> of_setting(std::string key, const char* setting, std::string help, Access request) {
+Option<R> of_setting(std::string key, const char* setting, Access request) {
     static const settings::SettingList usual = settings::config_table().used(settings::Config{});
     settings::OptionSpec spec = settings::config_table().find(setting)->spec;
     for (const settings::Setting& s : usual)
         if (s.key == setting && s.value.text() != nullptr) spec.otherwise = *s.value.text();
     spec.key = std::move(key);
-    spec.help = std::move(help);
     const std::string origin = "--" + spec.key;
     return {std::move(spec),
             [=](R& r, const Value& v) {
@@ -226,19 +232,15 @@ void add_settings(OptionTable<R>& table) {
     table.add(set_option<R>([=](auto& r) -> auto& { return common(r).above; }))
         .add(written("FILE.toml", path<R>("config", "settings over those of the data set: keys as in dataset.toml",
                                           [=](auto& r) -> auto& { return common(r).config; })))
-        .add(written(
-            "T",
-            of_setting<R>("start", "run.start_s",
-                          "start of processing; seconds after the first GNSS epoch (without GNSS: the first IMU epoch), or abs:T",
-                          common)))
-        .add(written("T", of_setting<R>("stop", "run.stop_s", "end of processing, given as --start", common)));
+        .add(written("T", of_setting<R>("start", "run.start_s", common)))
+        .add(written("T", of_setting<R>("stop", "run.stop_s", common)));
 }
 
 /// Loop, outages, evaluated and written data: for every command that runs a filter once.
 template <class R>
 void add_run(OptionTable<R>& table) {
     constexpr CommonRequest common;
-    table.add(written("LOOP", of_setting<R>("loop", "filter.loop", "feedback of the estimated errors", common)));
+    table.add(written("LOOP", of_setting<R>("loop", "filter.loop", common)));
     Option<R> outage{
         settings::detail::spec("outage", Shape::Texts, "withhold GNSS for T < t < T+DUR and evaluate the errors there"),
         [=](R& r, const Value& v) {
@@ -253,17 +255,8 @@ void add_run(OptionTable<R>& table) {
         [](const R&) { return std::optional<Value>(); }};
     outage.spec.line.repeated = true;
     table.add(written("T:DUR[,T:DUR...]", std::move(outage)))
-        .add(otherwise("alignment + 60 s",
-                       written("S", of_setting<R>("settle", "run.settle_s", "start of the error statistics", common))))
-        .add(otherwise(
-            "the first six",
-            written(
-                "LIST",
-                of_setting<R>(
-                    "outputs", "output.files",
-                    "files that are written: solution,summary,h5,report,kml,config; or mat (run.mat: the tables of run.h5 for Octave and "
-                    "MATLAB), covariance (the whole of it, in run.h5), states (states.csv: every state with its sigma)",
-                    common))));
+        .add(otherwise("alignment + 60 s", written("S", of_setting<R>("settle", "run.settle_s", common))))
+        .add(otherwise("the first six", written("LIST", of_setting<R>("outputs", "output.files", common))));
 }
 
 /// Commands by group, see their files.

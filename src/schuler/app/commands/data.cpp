@@ -18,31 +18,19 @@ constexpr const char* table_json = "summary.json on standard output instead of t
 template <class R>
 void add_processing(OptionTable<R>& table) {
     add_settings(table);
-    table
-        .add(written(
-            "SCHEME",
-            of_setting<R>(
-                "scheme", "filter.scheme",
-                "coupling: loose, separate (uncoupled), tight, intermediate, deep (of a scenario with [receiver]), or gnss "
-                "for the receiver's own solution",
-                common)))
-        .add(written("FRAME", of_setting<R>("mechanization", "filter.mechanization", "axes of the mechanization", common)))
-        .add(of_setting<R>("smooth", "filter.smooth", "fixed-interval smoother after the filter", common))
-        .add(of_setting<R>("backward", "filter.backward", "run a backward filter too, and compare it with the forward one",
-                           common));
+    table.add(written("SCHEME", of_setting<R>("scheme", "filter.scheme", common)))
+        .add(written("FRAME", of_setting<R>("mechanization", "filter.mechanization", common)))
+        .add(of_setting<R>("smooth", "filter.smooth", common))
+        .add(of_setting<R>("backward", "filter.backward", common));
     add_run(table);
-    Option<R> check = of_setting<R>(
-        "self-check", "filter.self_check",
-        "on (default): withhold fixes in selected windows, test the sigmas against them, and increase the assumed noise of the inertial unit where they are too small",
-        common);
+    Option<R> check = of_setting<R>("self-check", "filter.self_check", common);
     check.spec.shape = Shape::Text;
     check.spec.choices = {"on", "off"};
     check.set = [](R& r, const Value& v) {
         common(r).above.push_back({"filter.self_check", {*v.text() == "on"}, {"--self-check", 0, 0, {}}});
     };
     table.add(written("on|off", std::move(check)))
-        .add(otherwise("10", written("HZ", of_setting<R>("output-rate", "output.rate_hz",
-                                                         "rate of the solution; 0 = every IMU epoch", common))));
+        .add(otherwise("10", written("HZ", of_setting<R>("output-rate", "output.rate_hz", common))));
 }
 
 template <class R>
@@ -142,9 +130,8 @@ Command attitude() {
             "calibrate",
             "calibrate magnetometer and accelerometer by an ellipsoid fit to this log, where held-out parts of it confirm the fit",
             [](auto& r) -> auto& { return r.calibrate; }))
-        .add(otherwise("all",
-                       written("LIST", of_setting<R>("outputs", "output.files",
-                                                     "files written besides summary.json: solution,report,config", common))));
+        .add(otherwise("all", written("LIST", described("files written besides summary.json: solution,report,config",
+                                                        of_setting<R>("outputs", "output.files", common)))));
     add_settings(t);
     return command<R>(
         "ahrs", "attitude and heading from gyro, accelerometer and magnetometer",
@@ -167,7 +154,7 @@ Command satellites() {
                                  [](auto& r) -> auto& { return r.missed_detection; }));
     add_settings(t);
     return command<R>(
-        "gnss", "satellites of a receiver's raw measurements: sky, residuals, dilution, protection levels, phases against a base",
+        "gnss", "satellites of a receiver's raw measurements: sky, residuals, DOP, protection levels, phases against a base",
         "  schuler gnss receiver.ubx                       the log of a receiver\n"
         "  schuler gnss survey/ -o out/survey              a folder with dataset.toml, or one that is recognised\n"
         "  schuler gnss survey/ --set gnss.systems=GE --json\n"
@@ -181,7 +168,7 @@ Command montecarlo() {
     using R = study::CampaignRequest;
     OptionTable<R> t;
     t.add(input<R>("SCENARIO", "scenario", "scenario file"))
-        .add(lettered('n', written("RUNS", otherwise("the scenario's, else the points of its sweeps, else 100",
+        .add(lettered('n', written("RUNS", otherwise("from the scenario; otherwise the number of sweep points, or 100",
                                                      settings::integer<R>("runs", 1, 100'000'000, "number of Monte Carlo runs",
                                                                           [](auto& r) -> auto& { return r.runs; })))))
         .add(jobs_option<R>([](auto& r) -> auto& { return r.jobs; }))
@@ -223,7 +210,7 @@ Command batch() {
         "batch", "process many data sets; one table of all, worst first",
         "  schuler batch logs.txt -o out/logs                      a path in each line\n"
         "  schuler batch archive/ --jobs 2 --resume                a folder of data sets; resume after an interruption\n"
-        "A data set that fails does not stop the others. The exit status is 1 where one failed or is not to be used. batch.csv, batch.json\n"
+        "A data set that fails does not stop the others. The exit status is 1 where one failed or has the verdict \"do not use\". batch.csv, batch.json\n"
         "and index.html, which links the reports, do not depend on --jobs.",
         std::move(t), "batch.json on standard output instead of the table", true, process_batch);
 }

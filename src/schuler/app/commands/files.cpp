@@ -55,7 +55,7 @@ void add_file_commands(std::vector<Command>& list) {
             "IN", "in",
             "any trajectory that can be read, a log of instruments or FILE#STREAM, or raw measurements (RINEX, UBX, RTCM 3)"))
         .add(second("OUT", "out", "file to write; a folder for every stream as a table"))
-        .add(written("FORMAT", otherwise("by the name of OUT",
+        .add(written("FORMAT", otherwise("from the extension of OUT",
                                          settings::text<R>("to", "output format (schuler help formats), rinex-obs or rinex-nav",
                                                            [](auto& r) -> auto& { return r.format; }))));
     list.push_back(command<R>(

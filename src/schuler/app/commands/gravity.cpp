@@ -31,8 +31,7 @@ void add_gravity_command(std::vector<Command>& list) {
                                           [](auto& r) -> auto& { return r.runs; })))
         .add(settings::flag<R>("response", "amplitude and phase of the estimator along a scenario's track, by added harmonics",
                                [](auto& r) -> auto& { return r.response; }));
-    t.add(of_setting<R>("backward", "filter.backward", "run a backward filter too, and compare it with the forward one",
-                        [](auto& r) -> auto& { return r.common; }));
+    t.add(of_setting<R>("backward", "filter.backward", [](auto& r) -> auto& { return r.common; }));
     add_settings(t);
     add_run(t);
     list.push_back(command<R>(

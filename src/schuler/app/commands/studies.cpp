@@ -60,7 +60,7 @@ Command covariance() {
     OptionTable<R> t;
     t.add(scenario_argument<R>("scenario file, with filter.initial_error", [](auto& r) -> auto& { return r.scenario; }))
         .add(set_option<R>([](auto& r) -> auto& { return r.above; }))
-        .add(seed_option<R>("seed of the changes of the satellites in view", [](auto& r) -> auto& { return r.seed; }))
+        .add(seed_option<R>("seed of the satellite constellation's changes", [](auto& r) -> auto& { return r.seed; }))
         .add(in_units("Hz", settings::number<R>("rate", 1.0, 0.1, 1e4, "maximum IMU rate used along the path",
                                                 [](auto& r) -> auto& { return r.rate; })))
         .add(in_units(
@@ -69,10 +69,9 @@ Command covariance() {
                 "outage", 1.0, 0, 1e6,
                 "duration of an outage of GNSS at the end of the scenario, instead of the scenario's outages; 0: the scenario's outages",
                 [](auto& r) -> auto& { return r.outage; })))
-        .add(written(
-            "KEY", settings::text<R>("find",
-                                     "key of the scenario whose value is sought, by bisection, for the horizontal error --target",
-                                     [](auto& r) -> auto& { return r.find; })))
+        .add(written("KEY", settings::text<R>(
+                                "find", "scenario key to solve for, by bisection, so that the horizontal error equals --target",
+                                [](auto& r) -> auto& { return r.find; })))
         .add(in_units("m",
                       settings::number<R>("target", 1.0, 0, 1e9,
                                           "horizontal error (one sigma, radial) at the end of the first outage, or of the path",
@@ -92,12 +91,15 @@ Command covariance() {
 Command integrity() {
     using R = study::StudyRequest;
     OptionTable<R> t = study_of_scenario();
-    t.add(
-         otherwise("step, ramp, drift",
-                   written("KIND", some_of<R>("kind", {"step", "ramp", "drift", "velocity", "noise", "freeze", "dropout"},
-                                              "kinds of faults; ramp: of the position alone, drift: of position and velocity; of "
-                                              "ranges step, ramp and drift only",
-                                              [](auto& r) -> auto& { return r.kinds; }))))
+    t
+        .add(otherwise(
+            "step, ramp, drift",
+            written(
+                "KIND",
+                some_of<R>(
+                    "kind", {"step", "ramp", "drift", "velocity", "noise", "freeze", "dropout"},
+                    "kinds of faults; ramp: of the position alone, drift: of position and velocity; range faults: step, ramp and drift only",
+                    [](auto& r) -> auto& { return r.kinds; }))))
         .add(otherwise("by the kind", written("SIZE", numbers<R>("size", -1e9, 1e9, "sizes of the faults, m or m/s",
                                                                  [](auto& r) -> auto& { return r.sizes; }))))
         .add(in_units("s", settings::number<R>("start", 1.0, 0, 1e9, "start of the fault; 0: half of the scenario",
@@ -122,7 +124,7 @@ Option<study::TriadRequest> cases_option() {
     option.spec.form = fmt::format("letters of {}", known);
     option.set = [](R& r, const Value& v) {
         if (v.text()->find_first_not_of(known) != std::string::npos)
-            throw input_error(fmt::format("\"{}\" has a letter of no case", *v.text()), {},
+            throw input_error(fmt::format("\"{}\" contains an unknown case letter", *v.text()), {},
                               fmt::format("give letters of {}", known));
         r.cases = *v.text();
     };
@@ -177,8 +179,9 @@ Command allan() {
 Command protection() {
     using R = study::ProtectionRequest;
     OptionTable<R> t;
-    t.add(lettered('n', written("RUNS", settings::integer<R>("runs", 1, 1'000'000, "number of faults, each in a separate flight",
-                                                             [](auto& r) -> auto& { return r.runs; }))))
+    t.add(lettered('n',
+                   written("RUNS", settings::integer<R>("runs", 1, 1'000'000, "number of trials, one fault per simulated flight",
+                                                        [](auto& r) -> auto& { return r.runs; }))))
         .add(settings::flag<R>("double", "faults of two satellites at the same time",
                                [](auto& r) -> auto& { return r.kind.twice; }))
         .add(settings::flag<R>("ramp", "faults that grow by 0.1 to 5 m/s instead of constant ones",

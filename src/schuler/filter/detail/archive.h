@@ -156,7 +156,7 @@ SCHULER_ARCHIVED(RecentMotion::Motion, rate, force)
 SCHULER_ARCHIVED(RecentMotion::Memory, last, next, filled, rate, force, rate2, force2, sum, seconds)
 SCHULER_ARCHIVED(EventMaker::Memory, any, fix, position, satellites, change, baro, mag, odometer, height, repeated)
 SCHULER_ARCHIVED(FeedCounters, by_status, reordered, holes, restarts, events_lost, rows_lost)
-SCHULER_ARCHIVED(NavigatorEvent, time, kind, phase, source, status, aid, aid_status, test, seconds)
+SCHULER_ARCHIVED(NavigatorEvent, time, kind, phase, source, status, measurement, measurement_status, test, seconds)
 SCHULER_ARCHIVED(StreamTimeline::Memory, any_imu, newest, last_settled, released, stranger, strangers, has_before, before,
                  slots_start, first_slot, current_slot, next_judged, moved, has_precise, precise, precise_time, order_changed)
 SCHULER_ARCHIVED(StartUp::Fit, since, N, y, sum2, rows, v_w, p_w, has_origin, origin)

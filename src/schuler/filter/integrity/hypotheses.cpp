@@ -77,8 +77,8 @@ Opening opening_of(const FilterRun<Frame>& run) {
 }
 
 Alert alert_of(const Opening& o, Time time, IntegrityTest test) {
-    if (o.position.isZero()) return {time, AidKind::GnssVelocity, test, o.velocity.norm()};
-    return {time, AidKind::GnssPosition, test, o.position.norm()};
+    if (o.position.isZero()) return {time, MeasurementKind::GnssVelocity, test, o.velocity.norm()};
+    return {time, MeasurementKind::GnssPosition, test, o.position.norm()};
 }
 
 bool in_use(const FixChannel& c) { return c.fitted || c.run.count() > 0; }
@@ -168,17 +168,17 @@ Matrix9 FilterRun<Frame>::undecided(const InertialModel& model) const {
 }
 
 template <class Frame>
-bool Pass<Frame>::contests(AidKind kind) const {
+bool Pass<Frame>::contests(MeasurementKind kind) const {
     return rivalry_ != Rivalry::None && is_part_of_fix(kind) && settings_.coupling != Coupling::Separate;
 }
 
 template <class Frame>
-AidStatus Pass<Frame>::judge(FilterRun<Frame>& run, Channel channel, AidRecord& record, Measurement& local, Measurement& m,
-                             Observer& observer) const {
+MeasurementStatus Pass<Frame>::judge(FilterRun<Frame>& run, Channel channel, MeasurementRecord& record, Measurement& local,
+                                     Measurement& m, Observer& observer) const {
     FixChannel& fixes = run.fixes[channel.fix()];
     FixLevels& levels = fixes.levels;
     const double limit = data_.gates.chi_square[record.dof];
-    const bool position = channel.kind == AidKind::GnssPosition;
+    const bool position = channel.kind == MeasurementKind::GnssPosition;
     const double since_fit = fixes.fitted ? (record.time - *fixes.fitted).seconds() : 0.0;
     double sigma = 0.0;
     for (int i = 0; i < m.dof; ++i) sigma = std::max(sigma, std::sqrt(m.variance(i)));
@@ -194,7 +194,7 @@ AidStatus Pass<Frame>::judge(FilterRun<Frame>& run, Channel channel, AidRecord& 
         else if (position) levels.confirm(elsewhere, since_fit);
         fixes.fit(record.time, in_place(record.innovation, channel.components), sigma);
         record.other_level = elsewhere;
-        return AidStatus::Accepted;
+        return MeasurementStatus::Accepted;
     };
     // Measured relative to the other level.
     const auto move = [&] {
@@ -205,7 +205,7 @@ AidStatus Pass<Frame>::judge(FilterRun<Frame>& run, Channel channel, AidRecord& 
         record.nis = m.innovation.dot(run.filter.innovation_covariance(m).inverse() * m.innovation);
     };
     if (levels.two) {
-        AidRecord here = record;
+        MeasurementRecord here = record;
         const Measurement local_here = local, m_here = m;
         move();
         const bool fits_there = record.nis <= limit, fits_here = here.nis <= limit;
@@ -221,7 +221,7 @@ AidStatus Pass<Frame>::judge(FilterRun<Frame>& run, Channel channel, AidRecord& 
                 observer.alert({record.stamp, channel.kind, IntegrityTest::OtherLevel, levels.other.norm()});
                 levels.swap();
             }
-            return AidStatus::Accepted;
+            return MeasurementStatus::Accepted;
         }
         record = here;
         local = local_here;
@@ -248,17 +248,17 @@ AidStatus Pass<Frame>::judge(FilterRun<Frame>& run, Channel channel, AidRecord& 
             fixes.run.clear();
             if (!run.rival.empty() && run.rival.front().challenger) run.rival.clear();
             move();
-            if (record.nis > limit) return AidStatus::Rejected;
+            if (record.nis > limit) return MeasurementStatus::Rejected;
             return accept(true);
         }
     }
     // A refused velocity while positions agree is a receiver error, unless the IMU log indicates otherwise.
     const bool positions_fit =
         !position && !suspect && all_channels(run, 0, channel.vertical_only, [](const FixChannel& c) { return c.fits > 0; });
-    const int needed = suspect ? 1 : positions_fit ? settings_.aids.recovery_count : 2;
-    const bool long_enough = !positions_fit || fixes.run.span() >= settings_.aids.recovery_time;
+    const int needed = suspect ? 1 : positions_fit ? settings_.constraints.recovery_count : 2;
+    const bool long_enough = !positions_fit || fixes.run.span() >= settings_.constraints.recovery_time;
     if (rivalry_ == Rivalry::Contest && fixes.run.count() >= needed && long_enough) run.wanted = opening_of(run);
-    return AidStatus::Rejected;
+    return MeasurementStatus::Rejected;
 }
 
 namespace {
@@ -268,12 +268,12 @@ template <class Frame>
 struct FixCount : PassObserver<Frame> {
     Rival<Frame>& rival;
     explicit FixCount(Rival<Frame>& r) : rival(r) {}
-    void aid(const AidRecord& r) override {
-        if (r.kind != AidKind::GnssPosition && r.kind != AidKind::GnssVelocity) return;
-        if (r.status == AidStatus::Accepted) {
+    void measurement(const MeasurementRecord& r) override {
+        if (r.kind != MeasurementKind::GnssPosition && r.kind != MeasurementKind::GnssVelocity) return;
+        if (r.status == MeasurementStatus::Accepted) {
             ++rival.accepted;
             ++rival.accepted_in_row;
-        } else if (r.status == AidStatus::Rejected) {
+        } else if (r.status == MeasurementStatus::Rejected) {
             ++rival.refused;
             rival.accepted_in_row = 0;
         }
@@ -409,7 +409,7 @@ void Pass<Frame>::contest(FilterRun<Frame>& run, Observer& observer) const {
             return;
         }
         // A rival that accepts the velocities and refuses all positions, or vice versa, is no better than one that refuses both.
-        const bool half = rival.refused >= settings_.aids.recovery_count && 4 * rival.refused > rival.accepted;
+        const bool half = rival.refused >= settings_.constraints.recovery_count && 4 * rival.refused > rival.accepted;
         if (half ||
             (rival.refused > 0 && rival.accepted_in_row == 0)) {  // it does not explain them either: possibly a bias has jumped
             const int attempts = rival.attempts + 1;
@@ -425,8 +425,8 @@ void Pass<Frame>::contest(FilterRun<Frame>& run, Observer& observer) const {
         if (!main_refuses) return;
         // Continued agreement of the velocities shows that the positions wander by themselves.
         if (!rival.explained && wander(run)) return;
-        int needed = settings_.aids.recovery_count;
-        double seconds = settings_.aids.recovery_time;
+        int needed = settings_.constraints.recovery_count;
+        double seconds = settings_.constraints.recovery_time;
         if (rival.explained) {
             needed = explained_fixes;
             seconds = 0.0;
@@ -435,7 +435,7 @@ void Pass<Frame>::contest(FilterRun<Frame>& run, Observer& observer) const {
             if (shape == RunShape::Growing || (shape == RunShape::Constant && positions.run.mean().norm() <= least_jump)) {
                 needed = few_fixes;
                 seconds = few_seconds;
-                rival.patience = settings_.aids.recovery_time;
+                rival.patience = settings_.constraints.recovery_time;
             }
         }
         if (rival.accepted_in_row >= needed && age >= seconds) {
@@ -452,17 +452,18 @@ void Pass<Frame>::contest(FilterRun<Frame>& run, Observer& observer) const {
     }
     // Accelerating divergence is an inertial error, which decides the case.
     if (rival.run.fixes[0].run.shape(speed_sigma(rival.run.filter)) == RunShape::Growing)
-        rival.patience = std::min(rival.patience, settings_.aids.recovery_time);
+        rival.patience = std::min(rival.patience, settings_.constraints.recovery_time);
     if ((rival.accepted_in_row >= 2 && !main_refuses) || age > rival.patience) run.rival.clear();
 }
 
-#define SCHULER_INSTANTIATE(Frame)                                                                                              \
-    template Matrix9 FilterRun<Frame>::undecided(const InertialModel&) const;                                                   \
-    template bool Pass<Frame>::contests(AidKind) const;                                                                         \
-    template AidStatus Pass<Frame>::judge(FilterRun<Frame>&, Channel, AidRecord&, Measurement&, Measurement&, Observer&) const; \
-    template void Pass<Frame>::open(FilterRun<Frame>&, const Opening&) const;                                                   \
-    template void Pass<Frame>::challenge(FilterRun<Frame>&) const;                                                              \
-    template void Pass<Frame>::change_sides(FilterRun<Frame>&) const;                                                           \
+#define SCHULER_INSTANTIATE(Frame)                                                                                            \
+    template Matrix9 FilterRun<Frame>::undecided(const InertialModel&) const;                                                 \
+    template bool Pass<Frame>::contests(MeasurementKind) const;                                                               \
+    template MeasurementStatus Pass<Frame>::judge(FilterRun<Frame>&, Channel, MeasurementRecord&, Measurement&, Measurement&, \
+                                                  Observer&) const;                                                           \
+    template void Pass<Frame>::open(FilterRun<Frame>&, const Opening&) const;                                                 \
+    template void Pass<Frame>::challenge(FilterRun<Frame>&) const;                                                            \
+    template void Pass<Frame>::change_sides(FilterRun<Frame>&) const;                                                         \
     template void Pass<Frame>::contest(FilterRun<Frame>&, Observer&) const;
 SCHULER_INSTANTIATE(GeographicFrame)
 SCHULER_INSTANTIATE(EarthFixedFrame)

@@ -10,7 +10,7 @@ namespace schuler::filter {
 bool within_tolerance(const Examined& e, const ChannelHealth& health, const IntegritySettings& settings) {
     if (!(settings.accel_limit > 0.0) || !health.used) return true;
     const double t = (e.time - *health.used).seconds();
-    const double reach = settings.accel_limit * (e.kind == AidKind::GnssVelocity ? t : 0.5 * t * t);
+    const double reach = settings.accel_limit * (e.kind == MeasurementKind::GnssVelocity ? t : 0.5 * t * t);
     return e.innovation.norm() <= reach + 5.0 * std::sqrt(e.trace);
 }
 
@@ -62,7 +62,7 @@ bool readmits(ChannelHealth& health, const ChannelHealth* velocity, const Examin
     ++health.count;
     if ((time - *health.agrees).seconds() < settings.readmission_time) return false;
     // positions have slow errors, which no mean removes
-    if (fix.kind == AidKind::GnssVelocity && mean_contradicts(health, fix)) {
+    if (fix.kind == MeasurementKind::GnssVelocity && mean_contradicts(health, fix)) {
         health.agrees.reset();
         return false;
     }
@@ -82,7 +82,7 @@ bool ends_a_fault(const ChannelHealth& health, const ChannelHealth& velocity, co
     constexpr double memory = 600.0, opposite = -0.8, larger = 1.5;  // s; cosine; of the fault
     if (health.returned || !velocity.faulty) return false;
     const double age = (fix.time - *velocity.faulty).seconds();
-    const double fault = velocity.fault.norm() * (fix.kind == AidKind::GnssVelocity ? 1.0 : std::max(1.0, age));
+    const double fault = velocity.fault.norm() * (fix.kind == MeasurementKind::GnssVelocity ? 1.0 : std::max(1.0, age));
     const double size = fix.innovation.norm();
     return age < memory && size < larger * fault && fix.innovation.dot(velocity.fault) < opposite * size * velocity.fault.norm();
 }

@@ -16,7 +16,7 @@ namespace schuler::filter {
 
 /// The position or velocity part of a fix, as compared with the filter; unused components are zero.
 struct Examined {
-    AidKind kind;  ///< GnssPosition or GnssVelocity
+    MeasurementKind kind;  ///< GnssPosition or GnssVelocity
     Time time;
     Eigen::Vector3d innovation;                          ///< estimate minus measured, m or m/s
     double trace = 0.0;                                  ///< of the innovation covariance, state and measurement together
@@ -43,7 +43,7 @@ struct ChannelHealth {
 
 /// Tolerance check [PaperA:3.4, first approach] against the navigation extrapolated from the last used fix, with the vehicle's capability:
 /// |innovation| <= a t (velocity) or a t^2 / 2 (position) + 5 sigma of the innovation, that is, of the measurement and of the navigation,
-/// which runs unaided for a while in the separate scheme. The extrapolation is assumed to be no worse than with unknown acceleration.
+/// which runs unaided for a while in the uncoupled scheme. The extrapolation is assumed to be no worse than with unknown acceleration.
 [[nodiscard]] bool within_tolerance(const Examined& e, const ChannelHealth& health, const IntegritySettings& settings);
 
 /// Innovation test (3.4.7): ratio of the traces of innovation innovation^T and of its covariance, below delta.

@@ -88,7 +88,7 @@ struct FixLevels {
     /// Counts a fix `dt` seconds after the previous one; widely spaced fixes confirm no more than `most` seconds.
     void confirm(bool other_one, double dt, double most = 5.0);
     /// Variance of the offset that the next fix of the other level has in addition, m^2. The offset is the same in all of them: with
-    /// a variance that grows with the square of their number they never tell more of the position than was known at the jump.
+    /// a variance that grows with the square of their number they never give more information about the position than there was at the jump.
     [[nodiscard]] double shared_variance() const { return unsure * unsure * (1.0 + used) * (1.0 + used); }
     /// Registers a jump by `innovation`, of the given sigma, that was held for `held` s. `settled`: the current level was held by
     /// fixes until then. If the first fix after an interruption would have been about as likely at the other level, what confirmed

@@ -1,4 +1,4 @@
-// Errors of the second order of a solution whose attitude nobody corrects (separate scheme), for the tests of the receiver's fixes.
+// Errors of the second order of a solution whose attitude nobody corrects (uncoupled scheme), for the tests of the receiver's fixes.
 //
 // The estimated attitude turns the measured specific force f into the axes of the frame wrongly by the attitude error phi:
 //     (C_est - C) f_b = (I - exp([phi x])) f = -phi x f - 1/2 phi x (phi x f) - ...,      f = C_est f_b.
@@ -12,7 +12,7 @@
 // not to its root. Its effect is therefore kept as three columns of errors, one for each axis of the root of E[q q^T]; they pass through
 // the transitions and corrections of the filter, and their product with their transpose adds to the covariance of an innovation.
 //
-// The next term, 1/6 phi^3 f, is a third of phi against this one: beyond a tilt of 1 rad the series says nothing.
+// The next term, 1/6 phi^3 f, is a third of phi against this one: beyond a tilt of 1 rad the series does not converge fast enough.
 #pragma once
 
 #include "schuler/estim/transition.h"

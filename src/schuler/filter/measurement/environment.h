@@ -1,4 +1,4 @@
-// Environmental aids: barometric height and magnetic heading.
+// Environmental measurements: barometric height and magnetic heading.
 #pragma once
 
 #include "schuler/filter/measurement/measurement.h"

@@ -28,7 +28,7 @@ template <class S>
 struct Instrument {
     using Sample = S;
 
-    AidKind kind;
+    MeasurementKind kind;
     Source source;
     std::uint8_t components;  ///< bits, as Event::components
     std::vector<S> Recording::*log;
@@ -44,13 +44,14 @@ inline constexpr auto keep = [](auto&) {};
 
 /// In the order in which simultaneous measurements are used.
 inline constexpr std::tuple instruments{
-    Instrument<BaroSample>{AidKind::Baro, Source::Baro, 4, &Recording::baro, &FeedRates::baro, detail::keep},
-    Instrument<MagSample>{AidKind::Mag, Source::Mag, 1, &Recording::mag, &FeedRates::mag, detail::keep},
-    Instrument<OdometerSample>{AidKind::Odometer, Source::Odometer, 1, &Recording::odometer, &FeedRates::odometer,
+    Instrument<BaroSample>{MeasurementKind::Baro, Source::Baro, 4, &Recording::baro, &FeedRates::baro, detail::keep},
+    Instrument<MagSample>{MeasurementKind::Mag, Source::Mag, 1, &Recording::mag, &FeedRates::mag, detail::keep},
+    Instrument<OdometerSample>{MeasurementKind::Odometer, Source::Odometer, 1, &Recording::odometer, &FeedRates::odometer,
                                [](OdometerSample& s) { s.speed = -s.speed; }},
-    Instrument<HeadingSample>{AidKind::Heading, Source::Heading, 1, &Recording::heading, &FeedRates::heading, detail::keep},
-    Instrument<GaugeSample>{AidKind::Gauges, Source::Gauges, 7, &Recording::gauges, &FeedRates::gauges, detail::keep},
-    Instrument<BodyVelocitySample>{AidKind::BodyVelocity, Source::Log, 7, &Recording::body_velocity, &FeedRates::log,
+    Instrument<HeadingSample>{MeasurementKind::Heading, Source::Heading, 1, &Recording::heading, &FeedRates::heading,
+                              detail::keep},
+    Instrument<GaugeSample>{MeasurementKind::Gauges, Source::Gauges, 7, &Recording::gauges, &FeedRates::gauges, detail::keep},
+    Instrument<BodyVelocitySample>{MeasurementKind::BodyVelocity, Source::Log, 7, &Recording::body_velocity, &FeedRates::log,
                                    [](BodyVelocitySample& s) { s.velocity_b = -s.velocity_b; }}};
 static_assert(std::tuple_size_v<decltype(instruments)> == std::tuple_size_v<decltype(instrument_logs)>);
 

@@ -10,7 +10,7 @@
 
 namespace schuler::filter {
 
-enum class AidKind : std::uint8_t {
+enum class MeasurementKind : std::uint8_t {
     GnssPosition,
     GnssVelocity,
     Baro,
@@ -27,13 +27,13 @@ enum class AidKind : std::uint8_t {
 };
 
 /// Position or velocity of a receiver's fix: two sub-vectors, each monitored separately.
-[[nodiscard]] constexpr bool is_part_of_fix(AidKind kind) {
-    return kind == AidKind::GnssPosition || kind == AidKind::GnssVelocity;
+[[nodiscard]] constexpr bool is_part_of_fix(MeasurementKind kind) {
+    return kind == MeasurementKind::GnssPosition || kind == MeasurementKind::GnssVelocity;
 }
 
 /// Description of one kind.
 struct MeasurementInfo {
-    AidKind kind;
+    MeasurementKind kind;
     std::string_view key;                        ///< in files
     std::string_view name;                       ///< in messages and plots
     std::string_view unit;                       ///< of plots
@@ -42,22 +42,24 @@ struct MeasurementInfo {
 };
 
 inline constexpr std::array measurement_infos{
-    MeasurementInfo{AidKind::GnssPosition, "gnss_position", "GNSS position", "m", 1.0, {"north", "east", "down"}},
-    MeasurementInfo{AidKind::GnssVelocity, "gnss_velocity", "GNSS velocity", "m/s", 1.0, {"north", "east", "down"}},
-    MeasurementInfo{AidKind::Baro, "baro", "barometric height", "m", 1.0, {"down"}},
-    MeasurementInfo{AidKind::Mag, "mag", "magnetic heading", "deg", units::deg, {"heading"}},
-    MeasurementInfo{AidKind::ZeroVelocity, "zero_velocity", "zero velocity", "m/s", 1.0, {"1", "2", "3"}},
-    MeasurementInfo{AidKind::ZeroRate, "zero_rate", "zero rate", "deg/s", units::deg_per_s, {"x", "y", "z"}},
-    MeasurementInfo{AidKind::Nonholonomic, "nonholonomic", "vehicle constraint", "m/s", 1.0, {"lateral", "vertical"}},
-    MeasurementInfo{AidKind::Pseudorange, "pseudorange", "pseudorange", "m", 1.0, {"range"}},
-    MeasurementInfo{AidKind::RangeRate, "range_rate", "range rate", "m/s", 1.0, {"rate"}},
-    MeasurementInfo{AidKind::Odometer, "odometer", "odometer", "m/s", 1.0, {"speed"}},
-    MeasurementInfo{AidKind::Heading, "heading", "heading sensor", "deg", units::deg, {"heading"}},
-    MeasurementInfo{AidKind::Gauges, "gauges", "height gauges", "m", 1.0, {"1", "2", "3"}},
-    MeasurementInfo{AidKind::BodyVelocity, "body_velocity", "velocity log", "m/s", 1.0, {"forward", "right", "down"}},
+    MeasurementInfo{MeasurementKind::GnssPosition, "gnss_position", "GNSS position", "m", 1.0, {"north", "east", "down"}},
+    MeasurementInfo{MeasurementKind::GnssVelocity, "gnss_velocity", "GNSS velocity", "m/s", 1.0, {"north", "east", "down"}},
+    MeasurementInfo{MeasurementKind::Baro, "baro", "barometric height", "m", 1.0, {"down"}},
+    MeasurementInfo{MeasurementKind::Mag, "mag", "magnetic heading", "deg", units::deg, {"heading"}},
+    MeasurementInfo{MeasurementKind::ZeroVelocity, "zero_velocity", "zero velocity", "m/s", 1.0, {"1", "2", "3"}},
+    MeasurementInfo{MeasurementKind::ZeroRate, "zero_rate", "zero rate", "deg/s", units::deg_per_s, {"x", "y", "z"}},
+    MeasurementInfo{MeasurementKind::Nonholonomic, "nonholonomic", "vehicle constraint", "m/s", 1.0, {"lateral", "vertical"}},
+    MeasurementInfo{MeasurementKind::Pseudorange, "pseudorange", "pseudorange", "m", 1.0, {"range"}},
+    MeasurementInfo{MeasurementKind::RangeRate, "range_rate", "range rate", "m/s", 1.0, {"rate"}},
+    MeasurementInfo{MeasurementKind::Odometer, "odometer", "odometer", "m/s", 1.0, {"speed"}},
+    MeasurementInfo{MeasurementKind::Heading, "heading", "heading sensor", "deg", units::deg, {"heading"}},
+    MeasurementInfo{MeasurementKind::Gauges, "gauges", "height gauges", "m", 1.0, {"1", "2", "3"}},
+    MeasurementInfo{MeasurementKind::BodyVelocity, "body_velocity", "velocity log", "m/s", 1.0, {"forward", "right", "down"}},
 };
 inline constexpr std::size_t measurement_kinds = measurement_infos.size();
 
-[[nodiscard]] constexpr const MeasurementInfo& info_of(AidKind kind) { return measurement_infos[static_cast<std::size_t>(kind)]; }
+[[nodiscard]] constexpr const MeasurementInfo& info_of(MeasurementKind kind) {
+    return measurement_infos[static_cast<std::size_t>(kind)];
+}
 
 }  // namespace schuler::filter

@@ -13,7 +13,7 @@ namespace schuler::filter {
 namespace {
 
 /// 0: position, 1: velocity.
-std::size_t sub_vector(AidKind kind) { return kind == AidKind::GnssVelocity ? 1 : 0; }
+std::size_t sub_vector(MeasurementKind kind) { return kind == MeasurementKind::GnssVelocity ? 1 : 0; }
 
 /// Corrects the filter by scalars with dense rows. If the slow errors of fixes are only `considered`, their gain is zero
 /// [Schmidt1966]. The smoother does not follow. Returns the estimated error.
@@ -157,12 +157,12 @@ template <class Frame>
 bool Pass<Frame>::use_separately(FilterRun<Frame>& run, Channel channel, const Measurement& local, const Measurement& m,
                                  Time stamp) const {
     const SeparateSettings& s = settings_.separate;
-    const bool position = channel.kind == AidKind::GnssPosition;
+    const bool position = channel.kind == MeasurementKind::GnssPosition;
     std::optional<Time>& last = run.corrected[channel.gate()];
     const double dt = correction_interval(run, channel, stamp);
-    if (channel.kind == AidKind::Baro) {
+    if (channel.kind == MeasurementKind::Baro) {
         close_baro_loop(run.filter, run.second_order, m, dt);
-    } else if (position || channel.kind == AidKind::GnssVelocity) {
+    } else if (position || channel.kind == MeasurementKind::GnssVelocity) {
         if (s.restart_period > 0.0 && last && dt < s.restart_period - 1e-3) return false;
         const double share = s.restart_period > 0.0 ? 1.0 : correction_share(dt, position ? s.position_time : s.velocity_time);
         Gains K = setting_gains(run.filter.P.rows(), local, position ? Layout::position : Layout::velocity, share);
@@ -189,28 +189,28 @@ bool Pass<Frame>::cannot_judge(FilterRun<Frame>& run, Channel channel, Time stam
 }
 
 template <class Frame>
-AidStatus Pass<Frame>::examine(FilterRun<Frame>& run, Channel channel, const AidRecord& record, const Examined& examined,
-                               Observer& observer) const {
+MeasurementStatus Pass<Frame>::examine(FilterRun<Frame>& run, Channel channel, const MeasurementRecord& record,
+                                       const Examined& examined, Observer& observer) const {
     const IntegritySettings& s = settings_.integrity;
-    if (cannot_judge(run, channel, record.stamp, observer)) return AidStatus::Accepted;
+    if (cannot_judge(run, channel, record.stamp, observer)) return MeasurementStatus::Accepted;
     ChannelHealth& health = run.health[sub_vector(channel.kind)];
     std::optional<IntegrityTest> failed = failed_test(examined, health, s);
     if (!failed && record.nis > data_.gates.chi_square[record.dof]) failed = IntegrityTest::Innovation;
     if (health.excluded) {
-        const ChannelHealth* velocity = channel.kind == AidKind::GnssPosition ? &run.health[1] : nullptr;
-        if (!readmits(health, velocity, examined, !failed, s)) return AidStatus::Excluded;
+        const ChannelHealth* velocity = channel.kind == MeasurementKind::GnssPosition ? &run.health[1] : nullptr;
+        if (!readmits(health, velocity, examined, !failed, s)) return MeasurementStatus::Excluded;
         observer.alert({record.stamp, channel.kind, IntegrityTest::Readmitted});
-        return AidStatus::Accepted;
+        return MeasurementStatus::Accepted;
     }
     if (!failed) {
         health.failed_run = 0;
         health.used = record.time;
-        return AidStatus::Accepted;
+        return MeasurementStatus::Accepted;
     }
     if (++health.failed_run >= s.slow_count && ends_a_fault(health, run.health[1], examined)) {
         observer.alert({record.stamp, channel.kind, IntegrityTest::Returned});
         Opening opening;
-        const bool position = channel.kind == AidKind::GnssPosition;
+        const bool position = channel.kind == MeasurementKind::GnssPosition;
         (position ? opening.position : opening.velocity) = examined.innovation;
         opening.span = (run.filter.time() - *run.health[1].faulty).seconds();
         open(run, opening);
@@ -220,20 +220,20 @@ AidStatus Pass<Frame>::examine(FilterRun<Frame>& run, Channel channel, const Aid
         health.returned = true;
         health.used = record.time;
         for (Shadow<Frame>& shadow : run.shadows) shadow.alive = false;
-        return AidStatus::Accepted;
+        return MeasurementStatus::Accepted;
     }
     if (health.failed_run >= s.slow_count) {
         observer.alert({record.stamp, channel.kind, *failed});
         health = {};
         health.excluded = true;
-        if (channel.kind == AidKind::GnssVelocity) {
+        if (channel.kind == MeasurementKind::GnssVelocity) {
             health.fault = examined.innovation;
             health.faulty = record.time;
         }
         for (Shadow<Frame>& shadow : run.shadows) shadow.alive = false;
-        return AidStatus::Excluded;
+        return MeasurementStatus::Excluded;
     }
-    return AidStatus::Rejected;
+    return MeasurementStatus::Rejected;
 }
 
 template <class Frame>
@@ -260,7 +260,7 @@ void Pass<Frame>::look_back(FilterRun<Frame>& run, const Event& event, Observer&
         h.excluded = true;
         h.together = both;
     }
-    if (event.kind == AidKind::GnssVelocity) {
+    if (event.kind == MeasurementKind::GnssVelocity) {
         health.fault = m.innovation;
         health.faulty = run.filter.time();
     }
@@ -288,7 +288,8 @@ void Pass<Frame>::renew_shadows(FilterRun<Frame>& run) const {
     template bool Pass<Frame>::use(FilterRun<Frame>&, Channel, const Measurement&, const Measurement&, Time, Observer&) const; \
     template void Pass<Frame>::carry(CarriedFix&, const estim::Transition&) const;                                             \
     template void Pass<Frame>::carry_on(FilterRun<Frame>&, Observer&) const;                                                   \
-    template AidStatus Pass<Frame>::examine(FilterRun<Frame>&, Channel, const AidRecord&, const Examined&, Observer&) const;   \
+    template MeasurementStatus Pass<Frame>::examine(FilterRun<Frame>&, Channel, const MeasurementRecord&, const Examined&,     \
+                                                    Observer&) const;                                                          \
     template void Pass<Frame>::look_back(FilterRun<Frame>&, const Event&, Observer&) const;                                    \
     template double Pass<Frame>::correction_interval(const FilterRun<Frame>&, Channel, Time);                                  \
     template void Pass<Frame>::use_baro_in_shadows(FilterRun<Frame>&, const Event&, double) const;                             \

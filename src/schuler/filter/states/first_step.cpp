@@ -218,7 +218,7 @@ void set_out(FilterRun<Frame>& run, const InertialModel& model, const Settings& 
     P.set(L.accel_scale, 3, imu.accel_scale);
     P.set(L.gyro_misalignment, 6, imu.gyro_misalignment);
     P.set(L.accel_misalignment, 6, imu.accel_misalignment);
-    if (settings.aids.nonholonomic) {  // otherwise only once wheels are recognised
+    if (settings.constraints.nonholonomic) {  // otherwise only once wheels are recognised
         P.set(L.mounting, 2, start.std_mounting);
         P.set(L.axle, 1, 1.5);
     }

@@ -77,7 +77,7 @@ struct BridgeNoise {
 /// s, width of the mean specific force without a latency as a state: the averaging time of a receiver's velocity.
 inline constexpr double force_width = 0.025;
 /// s, width of the means of force and rate with a latency as a state, from the frequency (Hz) of the oscillation. They leave out
-/// vibrations, which tell the latency within their period only: with an error of a whole period the fixes agree as well, and a filter
+/// vibrations, which determine the latency within their period only: with an error of a whole period the fixes agree as well, and a filter
 /// that takes them as information may settle there, sure and wrong. Steps and swings remain, almost in their phase.
 [[nodiscard]] inline double latency_width(double frequency) {
     constexpr double swing = 3.0, vibration = 6.0, least = 0.02, most = 0.05;  // Hz, Hz, s, s
@@ -135,7 +135,7 @@ struct InertialFilter {
     /// Variance of an axis of w_ib_b as the rate at the time of a receiver's velocity, rad^2/s^2: white noise, and the change between
     /// that time and the stamp (less what was given of the latency).
     [[nodiscard]] double rate_variance(const InertialModel& model) const;
-    /// Two sigma of a rate of this variance, rad/s: the motion of a lever arm at a lower one tells nothing.
+    /// Two sigma of a rate of this variance, rad/s: the motion of a lever arm at a lower one gives no information.
     [[nodiscard]] double uncertain_rate(double rate_variance) const;
     [[nodiscard]] double heading_variance(const InertialModel& model) const;  ///< rad^2
     /// Mean square change of the specific force within a time of mean square `time2` (s^2), local level, m^2/s^4. With Earth-fixed
@@ -221,7 +221,7 @@ private:
     /// nor the lever arm.
     void withhold_lever_arm(const InertialModel& model, const Eigen::Vector3d& down, const Corrections& after,
                             estim::Transition& phi) const;
-    /// What the gathered motion says about the heading.
+    /// Information of the gathered motion about the heading.
     [[nodiscard]] HeadingForce force_for_heading(const InertialModel& model) const;
     /// Nominal gravity disturbance and `gathered.distance` after dt at the current velocity.
     void follow_disturbance(const InertialModel& model, double dt);

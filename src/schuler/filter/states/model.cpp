@@ -43,7 +43,7 @@ Layout layout_with(const Settings& settings, const Sensors& sensors) {
     if (!uses_ranges(settings.coupling) && settings.gnss.latency_std > 0.0) L.gnss_latency = L.add("gnss_latency_error", "s", 1);
     if (settings.disturbance.estimate) add_disturbance(settings.disturbance.model, L);
     if (settings.disturbance.keep_before) L.gravity_before = L.add("gravity_before", "m/s^2", 3);
-    if (settings.aids.nonholonomic || settings.aids.nonholonomic_auto) {
+    if (settings.constraints.nonholonomic || settings.constraints.nonholonomic_auto) {
         L.mounting = L.add("mounting", "rad", 2);
         L.axle = L.add("axle", "m", 1);
     }
@@ -126,14 +126,14 @@ Layout make_layout(const Settings& settings, const Recording& recording) {
 }
 
 void set_limits(RunData& data, const Settings& settings) {
-    const AidSettings& aids = settings.aids;
-    const bool open = aids.gate_probability == 0.0;
+    const ConstraintSettings& constraints = settings.constraints;
+    const bool open = constraints.gate_probability == 0.0;
     for (int dof = 1; dof <= 3; ++dof) {
         data.gates.chi_square[dof] =
-            open ? std::numeric_limits<double>::infinity() : math::chi_square_quantile(1.0 - aids.gate_probability, dof);
+            open ? std::numeric_limits<double>::infinity() : math::chi_square_quantile(1.0 - constraints.gate_probability, dof);
     }
-    data.gates.recovery_time = aids.recovery_time;
-    data.gates.recovery_count = aids.recovery_count;
+    data.gates.recovery_time = constraints.recovery_time;
+    data.gates.recovery_count = constraints.recovery_count;
     if (settings.integrity.use) data.slow_limits = slow_limits(settings.integrity);
     data.declination = settings.mag.used_declination();
 }
@@ -193,11 +193,11 @@ InertialModel make_model(const Settings& settings, const Layout& layout) {
     model.found_lever_arm_std = settings.gnss.found_lever_arm_std;
     model.at_antenna = settings.output_at_antenna && model.eccentric();
     const auto bound = [&model](int offset, double sigma) { model.floor.segment<3>(offset).setConstant(sigma * sigma); };
-    bound(Layout::position, settings.aids.floor_position);
-    bound(Layout::velocity, settings.aids.floor_velocity);
-    bound(Layout::attitude, settings.aids.floor_attitude);
-    bound(Layout::gyro_bias, settings.aids.floor_gyro_bias);
-    bound(Layout::accel_bias, settings.aids.floor_accel_bias);
+    bound(Layout::position, settings.constraints.floor_position);
+    bound(Layout::velocity, settings.constraints.floor_velocity);
+    bound(Layout::attitude, settings.constraints.floor_attitude);
+    bound(Layout::gyro_bias, settings.constraints.floor_gyro_bias);
+    bound(Layout::accel_bias, settings.constraints.floor_accel_bias);
     return model;
 }
 

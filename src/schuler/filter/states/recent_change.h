@@ -1,6 +1,6 @@
 // How much a quantity of the motion, the angular rate or the specific force, changes within a short time that is not known exactly.
 //
-// Its derivative at one instant does not tell: at the peak of a vibration it is zero, and a hundredth of a second later the quantity has
+// Its derivative at one instant does not describe it: at the peak of a vibration it is zero, and a hundredth of a second later the quantity has
 // the other sign. The mean square of the derivative over the last fifth of a second does; for times longer than the period of a
 // vibration, twice the variance of the quantity bounds it.
 #pragma once

@@ -1,7 +1,7 @@
 // Slope of the motion for a measurement whose time is uncertain.
 //
 // Within a time that is known to some sigma, a velocity does not change by its derivative at one instant times the error: under a
-// vibration whose period is shorter than the sigma, that derivative says nothing of the change, and a regression on it finds a latency
+// vibration whose period is shorter than the sigma, that derivative does not describe the change, and a regression on it finds a latency
 // nearer zero than the true one, with a sigma that is too small. Statistical linearization [Gelb1974, section 6.2]: for a Gaussian time t
 // of sigma s, the best slope is the expected one, E[t f(t)] / s^2 = E[f'(t)], the derivative averaged with a Gaussian of the width s.
 // Four equal lags in series have nearly that weight, but it lies in the past.

@@ -11,7 +11,7 @@ constexpr Duration odometer_spacing{100'000'000};  // odometers are sampled fast
 
 }  // namespace
 
-Event event_at(Time time, AidKind kind, std::uint8_t components, std::size_t index) {
+Event event_at(Time time, MeasurementKind kind, std::uint8_t components, std::size_t index) {
     Event e;
     e.stamp = e.valid = time;
     e.kind = kind;
@@ -44,7 +44,7 @@ void EventMaker::mark_outages(Event& e) const {
             e.outage = static_cast<int>(k);
             return;
         }
-        if (outage.is_over(t) && e.kind == AidKind::GnssPosition && !ended_[k]) {
+        if (outage.is_over(t) && e.kind == MeasurementKind::GnssPosition && !ended_[k]) {
             e.outage = static_cast<int>(k);
             e.outage_end = true;
             return;

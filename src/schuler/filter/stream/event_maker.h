@@ -64,7 +64,7 @@ private:
 };
 
 /// A measurement that is valid at its stamp.
-[[nodiscard]] Event event_at(Time time, AidKind kind, std::uint8_t components, std::size_t index);
+[[nodiscard]] Event event_at(Time time, MeasurementKind kind, std::uint8_t components, std::size_t index);
 
 template <class Push>
 void EventMaker::gnss(const GnssFix& fix, std::size_t index, Push&& push) {
@@ -87,7 +87,7 @@ void EventMaker::gnss(const GnssFix& fix, std::size_t index, Push&& push) {
     memory.satellites = fix.satellites;
     e.stamp = fix.time;
     e.index = index;
-    const auto part = [&](AidKind kind, std::uint8_t components, Duration age) {
+    const auto part = [&](MeasurementKind kind, std::uint8_t components, Duration age) {
         if (components == 0) return;
         e.kind = kind;
         e.components = components;
@@ -101,18 +101,18 @@ void EventMaker::gnss(const GnssFix& fix, std::size_t index, Push&& push) {
     const bool has_height = std::isfinite(fix.position.h);
     const Ages age = ages(fix);
     if (has_horizontal && has_height && age.position == age.height) {
-        part(AidKind::GnssPosition, 7, age.position);
+        part(MeasurementKind::GnssPosition, 7, age.position);
     } else {
-        part(AidKind::GnssPosition, has_horizontal ? 3 : 0, age.position);
-        part(AidKind::GnssPosition, has_height ? 4 : 0, age.height);
+        part(MeasurementKind::GnssPosition, has_horizontal ? 3 : 0, age.position);
+        part(MeasurementKind::GnssPosition, has_height ? 4 : 0, age.height);
     }
     if (settings_.gnss.use_velocity) {
         const bool has_ne = fix.velocity_n.head<2>().allFinite(), has_d = std::isfinite(fix.velocity_n.z());
         if (has_ne && has_d && age.velocity == age.down) {
-            part(AidKind::GnssVelocity, 7, age.velocity);
+            part(MeasurementKind::GnssVelocity, 7, age.velocity);
         } else {
-            part(AidKind::GnssVelocity, has_ne ? 3 : 0, age.velocity);
-            part(AidKind::GnssVelocity, has_d ? 4 : 0, age.down);
+            part(MeasurementKind::GnssVelocity, has_ne ? 3 : 0, age.velocity);
+            part(MeasurementKind::GnssVelocity, has_d ? 4 : 0, age.down);
         }
     }
     const double t = (fix.time - origin_).seconds();

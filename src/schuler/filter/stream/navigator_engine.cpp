@@ -102,7 +102,7 @@ FeedStatus NavigatorEngine::feed(const ImuSample& sample) {
 
 double NavigatorEngine::baro_height_at(Time time) const {
     for (const Event& e : stream.data().events)
-        if (e.kind == AidKind::Baro && e.valid >= time) return stream.data().recording->baro[e.index].height;
+        if (e.kind == MeasurementKind::Baro && e.valid >= time) return stream.data().recording->baro[e.index].height;
     return baro_height_;
 }
 
@@ -143,7 +143,7 @@ bool NavigatorEngine::align_as_given() {
     std::size_t event = before(data.events, &Event::valid), epoch = before(data.recording->ranges.epochs, &RangeEpoch::time);
     std::size_t still = before(data.still.windows, &StillWindow::end);
     for (std::size_t i = 0; i < event; ++i)
-        if (data.events[i].kind == AidKind::Baro) baro_height_ = data.recording->baro[data.events[i].index].height;
+        if (data.events[i].kind == MeasurementKind::Baro) baro_height_ = data.recording->baro[data.events[i].index].height;
     stream.judge_still(increments.back().time);
     while (bridge < data.imu.bridges.size() && data.imu.bridges[bridge].last < increment) ++bridge;
     (void)stream.forget({increment, event, epoch, still, bridge}, true);
@@ -167,9 +167,9 @@ bool NavigatorEngine::align_by_samples() {
     const UseAtStart use{start_up, C_bs, data.declination, baro_height_};
     for (; event < data.events.size() && data.events[event].valid <= now; ++event) {
         const Event& e = data.events[event];
-        if (e.kind == AidKind::GnssPosition)
+        if (e.kind == MeasurementKind::GnssPosition)
             start_up.add_position(recording.gnss[e.index], data.fix_noise[e.index], e.valid, e.components);
-        else if (e.kind == AidKind::GnssVelocity)
+        else if (e.kind == MeasurementKind::GnssVelocity)
             start_up.add_velocity(recording.gnss[e.index], data.fix_noise[e.index], e.components);
         for_each_instrument([&](const auto& instrument) {
             if (instrument.kind == e.kind) use((recording.*instrument.log)[e.index]);
@@ -296,14 +296,14 @@ private:
         add_row(solution_row(reported(model_, run.filter, run.undecided(model_))));
         while (next_all_states_ <= time) next_all_states_ = next_all_states_ + Duration{1'000'000'000};  // same rows as a batch
     }
-    void aid(const AidRecord& r) override {
+    void measurement(const MeasurementRecord& r) override {
         changed_ = true;
-        if (r.status == AidStatus::Accepted || r.status == AidStatus::Withheld) return;
+        if (r.status == MeasurementStatus::Accepted || r.status == MeasurementStatus::Withheld) return;
         NavigatorEvent e;
         e.time = r.stamp;
-        e.kind = NavigatorEvent::Kind::Aid;
-        e.aid = r.kind;
-        e.aid_status = r.status;
+        e.kind = NavigatorEvent::Kind::Measurement;
+        e.measurement = r.kind;
+        e.measurement_status = r.status;
         tell(e);
     }
     void alert(const Alert& alert) override {
@@ -311,7 +311,7 @@ private:
         NavigatorEvent e;
         e.time = alert.time;
         e.kind = NavigatorEvent::Kind::Alert;
-        e.aid = alert.kind;
+        e.measurement = alert.kind;
         e.test = alert.test;
         tell(e);
     }

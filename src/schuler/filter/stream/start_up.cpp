@@ -223,7 +223,8 @@ void StartUp::solve() {
 /// A wheeled vehicle points in the direction of travel; above reversing speed.
 void StartUp::course() {
     Memory& m = memory;
-    if (m.has_heading || !settings_.filter.aids.nonholonomic || !m.has_velocity || (m.now - m.fit.since).seconds() < 10.0) return;
+    if (m.has_heading || !settings_.filter.constraints.nonholonomic || !m.has_velocity || (m.now - m.fit.since).seconds() < 10.0)
+        return;
     const double speed = m.velocity.head<2>().norm();
     if (speed < 8.0) return;
     const double std = std::hypot(m.std_velocity.head<2>().maxCoeff() / speed, settings_.filter.imu.mounting_std);

@@ -23,7 +23,7 @@ std::size_t capacity(double rate, double seconds) {
 std::size_t imu_capacity(const NavigatorSettings& s) {
     return static_cast<std::size_t>(std::ceil(2.0 * (s.lag + 0.1) / s.imu_interval)) + 16;
 }
-std::size_t aid_capacity(const NavigatorSettings& s, double rate) {
+std::size_t instrument_capacity(const NavigatorSettings& s, double rate) {
     return capacity(rate, s.lag + s.still_delay + StreamTimeline::most_ahead);
 }
 
@@ -31,7 +31,7 @@ std::size_t aid_capacity(const NavigatorSettings& s, double rate) {
 
 StreamTimeline::AllPending StreamTimeline::pending_of(const NavigatorSettings& s) {
     const auto one = [&]<class Sample>(const Instrument<Sample>& instrument) {
-        return Pending<Sample>{instrument, detail::SamplePool<Sample>(aid_capacity(s, s.rates.*instrument.rate))};
+        return Pending<Sample>{instrument, detail::SamplePool<Sample>(instrument_capacity(s, s.rates.*instrument.rate))};
     };
     return std::apply([&](const auto&... instrument) { return AllPending{one(instrument)...}; }, instruments);
 }
@@ -44,17 +44,17 @@ StreamTimeline::StreamTimeline(const NavigatorSettings& s)
       largest_rate_(largest_still_rate(s.filter.vehicle)),
       imu_store_(imu_capacity(s)),
       imu_(imu_capacity(s)),
-      gnss_(aid_capacity(s, s.rates.gnss)),
+      gnss_(instrument_capacity(s, s.rates.gnss)),
       pending_(pending_of(s)),
       interval_(s.filter.imu, s.imu_interval),
       hang_(s.imu_interval),
       motion_(s.imu_interval),
       events_(settings_.filter, Time{}) {
-    recording_.gnss.resize(aid_capacity(s, s.rates.gnss));
+    recording_.gnss.resize(instrument_capacity(s, s.rates.gnss));
     std::size_t others = 0;
     for_each_instrument([&](const auto& instrument) {
         auto& store = recording_.*instrument.log;
-        store.resize(aid_capacity(s, s.rates.*instrument.rate));
+        store.resize(instrument_capacity(s, s.rates.*instrument.rate));
         others += store.size();
     });
     data_.fix_noise.resize(recording_.gnss.size());
@@ -67,7 +67,7 @@ StreamTimeline::StreamTimeline(const NavigatorSettings& s)
     data_.events.reserve(4 * recording_.gnss.size() + others);
     data_.still.windows.reserve(64);
     slots_.reserve(64);
-    const std::size_t epochs = aid_capacity(s, s.rates.ranges);
+    const std::size_t epochs = instrument_capacity(s, s.rates.ranges);
     recording_.ranges.epochs.reserve(epochs);
     recording_.ranges.samples.resize(epochs * RangeEpochWork::most);
     recording_.ranges.sources.reserve(s.rates.range_sources);
@@ -214,7 +214,7 @@ void StreamTimeline::add_speed(Time time, double speed) {
 /// From velocities, or else from differences of precise positions.
 void StreamTimeline::add_speeds(const GnssFix& fix, const Event& e) {
     if ((e.components & 3) != 3) return;
-    if (e.kind == AidKind::GnssVelocity) {
+    if (e.kind == MeasurementKind::GnssVelocity) {
         add_speed(e.valid, fix.velocity_n.head<2>().norm());
         return;
     }
@@ -233,7 +233,7 @@ void StreamTimeline::add_speeds(const GnssFix& fix, const Event& e) {
 namespace {
 
 /// Order of simultaneous measurements.
-std::ptrdiff_t rank(AidKind kind) {
+std::ptrdiff_t rank(MeasurementKind kind) {
     const auto at = std::ranges::find(instrument_kinds, kind);
     return at == instrument_kinds.end() ? 0 : 1 + (at - instrument_kinds.begin());
 }

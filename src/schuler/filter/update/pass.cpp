@@ -17,9 +17,9 @@ constexpr Duration tolerance{100'000};  // an event this close to an increment's
 constexpr Duration instant_tolerance{1'000};
 
 /// Moves the packed components of a record to their places: north, east, down.
-void unpack(AidRecord& record, std::uint8_t components) {
+void unpack(MeasurementRecord& record, std::uint8_t components) {
     if (components == 7 || record.dof == 0) return;
-    const AidRecord packed = record;
+    const MeasurementRecord packed = record;
     record.innovation.setZero();
     record.sigma.setZero();
     record.sigma_state.setZero();
@@ -44,8 +44,9 @@ Pass<Frame>::Pass(const InertialModel& model, const RunData& data, const Setting
       rivalry_(rivalry),
       vibrates_(model.gyro_vibration > 0.0 || model.accel_vibration > 0.0),
       openings_(std::move(openings)),
-      range_test_(uses_ranges(settings.coupling) ? RangeTest(settings.aids.gate_probability, settings.aids.recovery_time)
-                                                 : RangeTest{}),
+      range_test_(uses_ranges(settings.coupling)
+                      ? RangeTest(settings.constraints.gate_probability, settings.constraints.recovery_time)
+                      : RangeTest{}),
       update_with_ranges_(model, settings.ranging, settings.gnss.lever_arm_b, range_test_, data.backward,
                           settings.gnss.jitter.value_or(0.0)) {
     if (settings.ranging.protection.use) range_test_.watch = ProtectionLimits(settings.ranging.protection).test;
@@ -115,8 +116,8 @@ void Pass<Frame>::advance(FilterRun<Frame>& run, std::size_t last, Observer& obs
     if (try_advance(run, last, observer)) return;
     const Divergence& d = *run.diverged;
     fail(computation_error(fmt::format("the filter diverged at {:.3f} s, channel {}", d.time.seconds(), info_of(d.kind).name),
-                           d.kind == AidKind::Pseudorange ? "check the ranges and the IMU with `schuler inspect`"
-                                                          : "check the IMU's units and axes with `schuler inspect`"));
+                           d.kind == MeasurementKind::Pseudorange ? "check the ranges and the IMU with `schuler inspect`"
+                                                                  : "check the IMU's units and axes with `schuler inspect`"));
 }
 
 template <class Frame>
@@ -166,7 +167,7 @@ bool Pass<Frame>::try_advance(FilterRun<Frame>& run, std::size_t last, Observer&
 }
 
 template <class Frame>
-bool Pass<Frame>::uses(AidKind kind) const {
+bool Pass<Frame>::uses(MeasurementKind kind) const {
     // With ranges the receiver's own fixes would be used twice: they only serve as reference in an outage.
     return !is_part_of_fix(kind) || !uses_ranges(settings_.coupling);
 }
@@ -174,7 +175,7 @@ bool Pass<Frame>::uses(AidKind kind) const {
 template <class Frame>
 void Pass<Frame>::process(FilterRun<Frame>& run, const Event& event, Observer& observer) const {
     // The table of an outage is filled before the epoch's own update, including a height with a separate age.
-    const bool in_table = event.outage >= 0 && event.kind == AidKind::GnssPosition && (event.components & 3) == 3;
+    const bool in_table = event.outage >= 0 && event.kind == MeasurementKind::GnssPosition && (event.components & 3) == 3;
     if (!uses(event.kind) && !in_table) return;
     propagate_covariance(run, observer);
     if (event.constellation_change) change_constellation(run, event);
@@ -186,19 +187,20 @@ void Pass<Frame>::process(FilterRun<Frame>& run, const Event& event, Observer& o
         Event whole = event;
         if (std::isfinite(data_.recording->gnss[event.index].position.h)) whole.components = 7;
         const Measurement all = measurement_of(run.filter, whole);
-        const AidRecord withheld = try_update(run, event.kind, all, event.stamp, true, nobody);
+        const MeasurementRecord withheld = try_update(run, event.kind, all, event.stamp, true, nobody);
         if (run.diverged) return;
         observer.outage_epoch(run, event, all, withheld);
     }
     if (!uses(event.kind)) return;
     const Channel channel{event.kind, event.components};
     const double interval = correction_interval(run, channel, event.stamp);
-    AidRecord record = try_update(run, channel, local, event.stamp, event.withheld, observer);
+    MeasurementRecord record = try_update(run, channel, local, event.stamp, event.withheld, observer);
     if (run.diverged) return;
-    if (record.status == AidStatus::Accepted && event.kind == AidKind::Baro) use_baro_in_shadows(run, event, interval);
-    if (record.status == AidStatus::Accepted && event.kind == AidKind::GnssPosition) renew_shadows(run);
+    if (record.status == MeasurementStatus::Accepted && event.kind == MeasurementKind::Baro)
+        use_baro_in_shadows(run, event, interval);
+    if (record.status == MeasurementStatus::Accepted && event.kind == MeasurementKind::GnssPosition) renew_shadows(run);
     if (is_part_of_fix(event.kind)) unpack(record, event.components);
-    observer.aid(record);
+    observer.measurement(record);
     observer.measured(run, event, record);
 }
 
@@ -218,7 +220,7 @@ void Pass<Frame>::process(FilterRun<Frame>& run, const RangeEpoch& epoch, Observ
         (void)update_with_ranges_(run.filter, run.ranges, log, log.of(epoch), listener);
     }
     if (!run.filter.P.diagonal().allFinite() || !std::isfinite(run.filter.geographic(model_).position.h)) {
-        run.diverged = Divergence{run.filter.time(), AidKind::Pseudorange};
+        run.diverged = Divergence{run.filter.time(), MeasurementKind::Pseudorange};
         return;
     }
     observer.ranges(run, epoch);

@@ -37,18 +37,20 @@ struct CarriedFix {
 struct Channel {
     static constexpr std::size_t count = measurement_kinds + 2;
 
-    AidKind kind;
+    MeasurementKind kind;
     bool vertical_only = false;
     std::uint8_t components = 7;
 
-    Channel(AidKind kind_, std::uint8_t components_ = 7)
+    Channel(MeasurementKind kind_, std::uint8_t components_ = 7)
         : kind(kind_), vertical_only(components_ == 4), components(components_) {}
     [[nodiscard]] std::size_t gate() const {
         const auto k = static_cast<std::size_t>(kind);
         return vertical_only && k < 2 ? measurement_kinds + k : k;
     }
     /// For a receiver's position or velocity: its place in FilterRun::fixes.
-    [[nodiscard]] std::size_t fix() const { return (kind == AidKind::GnssVelocity ? 1u : 0u) + (vertical_only ? 2u : 0u); }
+    [[nodiscard]] std::size_t fix() const {
+        return (kind == MeasurementKind::GnssVelocity ? 1u : 0u) + (vertical_only ? 2u : 0u);
+    }
 };
 
 /// The hypothesis that the navigation was wrong: its covariance is increased at the end of an increment by the refused fixes.
@@ -73,7 +75,7 @@ enum class Rivalry {
 /// Where the computation produced invalid numbers.
 struct Divergence {
     Time time{};
-    AidKind kind = AidKind::GnssPosition;  ///< the channel in which it was detected
+    MeasurementKind kind = MeasurementKind::GnssPosition;  ///< the channel in which it was detected
 };
 
 template <class Frame>
@@ -101,7 +103,7 @@ struct FilterRun {
     std::array<std::optional<Time>, Channel::count> corrected{};  ///< by Channel::gate(), when last: Separate
     std::array<ChannelHealth, 2> health{};                        ///< position, velocity: integrity
     std::vector<Shadow<Frame>> shadows;                           ///< two, or none if slow ramps are not monitored
-    SecondOrder second_order;                                     ///< integrity in the separate scheme
+    SecondOrder second_order;                                     ///< integrity in the uncoupled scheme
     bool unjudged = false;                                        ///< ... whose tilt is too uncertain to judge a fix
     RangeTracking ranges;
 
@@ -176,10 +178,10 @@ struct PassObserver : RangeListener {
     virtual void output(const FilterRun<Frame>&, Time) {}
     /// At RunData::instants[index], with the covariance at that time.
     virtual void instant(const FilterRun<Frame>&, std::size_t /*index*/) {}
-    virtual void outage_epoch(const FilterRun<Frame>&, const Event&, const Measurement&, const AidRecord&) {}
-    virtual void aid(const AidRecord&) {}
+    virtual void outage_epoch(const FilterRun<Frame>&, const Event&, const Measurement&, const MeasurementRecord&) {}
+    virtual void measurement(const MeasurementRecord&) {}
     /// After the event: the estimate that results from it.
-    virtual void measured(const FilterRun<Frame>&, const Event&, const AidRecord&) {}
+    virtual void measured(const FilterRun<Frame>&, const Event&, const MeasurementRecord&) {}
     virtual void alert(const Alert&) {}
     /// After the update with an epoch of ranges.
     virtual void ranges(const FilterRun<Frame>&, const RangeEpoch&) {}
@@ -213,17 +215,17 @@ private:
     void process(FilterRun<Frame>& run, const Event& event, Observer& observer) const;
     void process(FilterRun<Frame>& run, const RangeEpoch& epoch, Observer& observer) const;
     /// True if the coupling uses measurements of this kind.
-    [[nodiscard]] bool uses(AidKind kind) const;
+    [[nodiscard]] bool uses(MeasurementKind kind) const;
     /// The receiver's slow errors jump when the set of satellites changes.
     void change_constellation(FilterRun<Frame>& run, const Event& event) const;
     void constrain(FilterRun<Frame>& run, Observer& observer) const;
     void stand_still(FilterRun<Frame>& run, Observer& observer) const;
-    AidRecord try_update(FilterRun<Frame>& run, Channel channel, const Measurement& local, Time stamp, bool withheld,
-                         Observer& observer) const;
+    MeasurementRecord try_update(FilterRun<Frame>& run, Channel channel, const Measurement& local, Time stamp, bool withheld,
+                                 Observer& observer) const;
     /// Applies the hypotheses about refused fixes: whether this one is used. `m` may be shifted to the level it belongs to.
-    AidStatus judge(FilterRun<Frame>& run, Channel channel, AidRecord& record, Measurement& local, Measurement& m,
-                    Observer& observer) const;
-    [[nodiscard]] bool contests(AidKind kind) const;
+    MeasurementStatus judge(FilterRun<Frame>& run, Channel channel, MeasurementRecord& record, Measurement& local, Measurement& m,
+                            Observer& observer) const;
+    [[nodiscard]] bool contests(MeasurementKind kind) const;
     /// At the end of an increment: propagates the rival and decides between the two if possible.
     void contest(FilterRun<Frame>& run, Observer& observer) const;
     void challenge(FilterRun<Frame>& run) const;
@@ -240,7 +242,7 @@ private:
     bool use(FilterRun<Frame>& run, Channel channel, const Measurement& local, const Measurement& m, Time stamp,
              Observer& observer) const;
     bool use_separately(FilterRun<Frame>& run, Channel channel, const Measurement& local, const Measurement& m, Time stamp) const;
-    /// Seconds since the last correction of this channel in the separate scheme, 1 before any.
+    /// Seconds since the last correction of this channel in the uncoupled scheme, 1 before any.
     [[nodiscard]] static double correction_interval(const FilterRun<Frame>& run, Channel channel, Time stamp);
     /// Corrects the filter of the run or a copy of it by gain columns in local-level errors.
     void correct_separately(InertialFilter<Frame>& filter, SecondOrder& second_order, const Measurement& m, Gains gains) const;
@@ -248,7 +250,7 @@ private:
     void close_baro_loop(InertialFilter<Frame>& filter, SecondOrder& second_order, const Measurement& m, double dt) const;
     /// A barometer's height in the copies without the receiver, as the run used it.
     void use_baro_in_shadows(FilterRun<Frame>& run, const Event& event, double dt) const;
-    /// True if the solution of a separate scheme is too tilted to judge fixes; the first time it is told.
+    /// True if the solution of a uncoupled scheme is too tilted to judge fixes; reported the first time.
     bool cannot_judge(FilterRun<Frame>& run, Channel channel, Time stamp, Observer& observer) const;
     /// Updates the filter and the records of its corrections. Returns the estimated error.
     StateVector update(FilterRun<Frame>& run, const Measurement& m, Observer& observer) const;
@@ -257,8 +259,8 @@ private:
     /// Uses the parts of extrapolated fixes that are due.
     void carry_on(FilterRun<Frame>& run, Observer& observer) const;
     /// Integrity check of one sub-vector of a fix: whether it may be used.
-    AidStatus examine(FilterRun<Frame>& run, Channel channel, const AidRecord& record, const Examined& examined,
-                      Observer& observer) const;
+    MeasurementStatus examine(FilterRun<Frame>& run, Channel channel, const MeasurementRecord& record, const Examined& examined,
+                              Observer& observer) const;
     /// The slow-ramp test of a fix, before its own update.
     void look_back(FilterRun<Frame>& run, const Event& event, Observer& observer) const;
     void renew_shadows(FilterRun<Frame>& run) const;

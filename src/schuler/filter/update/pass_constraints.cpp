@@ -12,22 +12,24 @@ namespace schuler::filter {
 template <class Frame>
 void Pass<Frame>::stand_still(FilterRun<Frame>& run, Observer& observer) const {
     const Time now = run.filter.time();
-    const AidSettings& aids = settings_.aids;
+    const ConstraintSettings& constraints = settings_.constraints;
     for (; run.still < data_.still.windows.size() && data_.still.windows[run.still].end <= now; ++run.still) {
         const StillWindow& w = data_.still.windows[run.still];
-        if (!aids.zero_velocity || (now - w.end).seconds() > 0.1) continue;
+        if (!constraints.zero_velocity || (now - w.end).seconds() > 0.1) continue;
         run.last_still = now;
         propagate_covariance(run, observer);
-        const AidRecord velocity = try_update(
-            run, AidKind::ZeroVelocity, zero_velocity(run.filter.estimate(model_), aids.zero_velocity_std), now, false, observer);
+        const MeasurementRecord velocity =
+            try_update(run, MeasurementKind::ZeroVelocity,
+                       zero_velocity(run.filter.estimate(model_), constraints.zero_velocity_std), now, false, observer);
         if (run.diverged) return;
-        observer.aid(velocity);
-        if (velocity.status != AidStatus::Accepted) continue;
-        const double variance = model_.gyro_psd / w.length + aids.zero_rate_std * aids.zero_rate_std;
-        const AidRecord rate = try_update(run, AidKind::ZeroRate, zero_rate(run.filter.estimate(model_), w.mean_rate_b, variance),
-                                          now, false, observer);
+        observer.measurement(velocity);
+        if (velocity.status != MeasurementStatus::Accepted) continue;
+        const double variance = model_.gyro_psd / w.length + constraints.zero_rate_std * constraints.zero_rate_std;
+        const MeasurementRecord rate =
+            try_update(run, MeasurementKind::ZeroRate, zero_rate(run.filter.estimate(model_), w.mean_rate_b, variance), now,
+                       false, observer);
         if (run.diverged) return;
-        observer.aid(rate);
+        observer.measurement(rate);
     }
 }
 
@@ -36,11 +38,11 @@ void Pass<Frame>::constrain(FilterRun<Frame>& run, Observer& observer) const {
     stand_still(run, observer);
     if (run.diverged) return;
     const Time now = run.filter.time();
-    const AidSettings& aids = settings_.aids;
-    const bool imposed = aids.nonholonomic || run.wheels.verdict == WheelEvidence::Verdict::Wheels;
-    const bool open = aids.nonholonomic_auto && run.wheels.verdict == WheelEvidence::Verdict::Open;
+    const ConstraintSettings& constraints = settings_.constraints;
+    const bool imposed = constraints.nonholonomic || run.wheels.verdict == WheelEvidence::Verdict::Wheels;
+    const bool open = constraints.nonholonomic_auto && run.wheels.verdict == WheelEvidence::Verdict::Open;
     if (!(imposed || open) || now < run.next_constraint) return;
-    run.next_constraint = now + Duration::from_seconds(1.0 / aids.constraint_rate);
+    run.next_constraint = now + Duration::from_seconds(1.0 / constraints.constraint_rate);
     if ((now - run.last_still).seconds() < 0.3) return;
     propagate_covariance(run, observer);
     const Estimate e = run.filter.estimate(model_);
@@ -51,13 +53,14 @@ void Pass<Frame>::constrain(FilterRun<Frame>& run, Observer& observer) const {
     const double speed = e.nav.v_eb_n.norm();
     const double turn = std::abs(e.w_ib_b.z());
     // Tyres slip in proportion to the lateral acceleration, speed times turn rate. The observed scatter is included.
-    double lateral = aids.nonholonomic_std_lateral + 0.02 * speed * turn, vertical = aids.nonholonomic_std_vertical;
-    if (!aids.nonholonomic) {
+    double lateral = constraints.nonholonomic_std_lateral + 0.02 * speed * turn, vertical = constraints.nonholonomic_std_vertical;
+    if (!constraints.nonholonomic) {
         lateral = 0.03 + 2.0 * run.wheels.std_side() * speed;
         vertical = 0.03 + 2.0 * run.wheels.std_down() * speed;
     }
-    const AidRecord record = try_update(run, AidKind::Nonholonomic, nonholonomic(e, lateral, vertical), now, false, observer);
-    if (!run.diverged) observer.aid(record);
+    const MeasurementRecord record =
+        try_update(run, MeasurementKind::Nonholonomic, nonholonomic(e, lateral, vertical), now, false, observer);
+    if (!run.diverged) observer.measurement(record);
 }
 
 template <class Frame>
@@ -69,7 +72,7 @@ void Pass<Frame>::observe_wheels(FilterRun<Frame>& run, const Estimate& e) const
     const bool good = f.P.diagonal().template segment<3>(Layout::velocity).maxCoeff() < 0.05 &&
                       f.P.diagonal().template segment<3>(Layout::attitude).maxCoeff() < 4e-4;
     if (v_b.x() < 3.0 || !good) return;
-    run.wheels.add(v_b, along * e.w_ib_b.z(), 1.0 / settings_.aids.constraint_rate);
+    run.wheels.add(v_b, along * e.w_ib_b.z(), 1.0 / settings_.constraints.constraint_rate);
     if (run.wheels.verdict != WheelEvidence::Verdict::Wheels) return;
     f.parameters(mounting) = -std::atan(run.wheels.mean_down);
     f.parameters(mounting + 1) = std::atan(run.wheels.mean_side);

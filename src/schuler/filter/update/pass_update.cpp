@@ -77,10 +77,10 @@ Measurement Pass<Frame>::measurement_of(const InertialFilter<Frame>& filter, con
     const GnssSettings& g = settings_.gnss;
     const Layout& L = model_.layout;
     const Components use{(event.components & 1) != 0, (event.components & 2) != 0, (event.components & 4) != 0};
-    if (event.kind == AidKind::GnssPosition)
+    if (event.kind == MeasurementKind::GnssPosition)
         return gnss_position(e, data_.recording->gnss[event.index].position, position_variance(filter, e, event), g.lever_arm_b,
                              use);
-    if (event.kind == AidKind::GnssVelocity) {
+    if (event.kind == MeasurementKind::GnssVelocity) {
         const int latency = L.gnss_velocity_latency >= 0 ? L.gnss_velocity_latency : g.velocity_latency ? -1 : L.gnss_latency;
         return gnss_velocity(e, data_.recording->gnss[event.index].velocity_n, velocity_variance(filter, e, event, latency),
                              g.lever_arm_b, latency, use);
@@ -96,14 +96,14 @@ Measurement Pass<Frame>::measurement_of(const InertialFilter<Frame>& filter, con
 template <class Frame>
 void Pass<Frame>::recover(FilterRun<Frame>& run, Channel channel, const Measurement& local) const {
     // The estimate is wrong by about the innovation: increase the covariance accordingly, isotropically, and that of the cause.
-    if (channel.kind == AidKind::Baro && model_.layout.baro_bias >= 0) {
+    if (channel.kind == MeasurementKind::Baro && model_.layout.baro_bias >= 0) {
         run.filter.P(model_.layout.baro_bias, model_.layout.baro_bias) += local.innovation.squaredNorm();
         return;
     }
     const GateState& gate = run.gates[channel.gate()];
     Opening opening;
     opening.span = (run.filter.time() - gate.since).seconds();
-    if (channel.kind == AidKind::GnssPosition) {
+    if (channel.kind == MeasurementKind::GnssPosition) {
         opening.position = local.innovation;
         opening.rate = gate.rate;
     } else {
@@ -113,10 +113,10 @@ void Pass<Frame>::recover(FilterRun<Frame>& run, Channel channel, const Measurem
 }
 
 template <class Frame>
-AidRecord Pass<Frame>::try_update(FilterRun<Frame>& run, Channel channel, const Measurement& local, Time stamp, bool withheld,
-                                  Observer& observer) const {
-    const AidKind kind = channel.kind;
-    AidRecord record;
+MeasurementRecord Pass<Frame>::try_update(FilterRun<Frame>& run, Channel channel, const Measurement& local, Time stamp,
+                                          bool withheld, Observer& observer) const {
+    const MeasurementKind kind = channel.kind;
+    MeasurementRecord record;
     record.time = run.filter.time();
     record.stamp = stamp;
     record.kind = kind;
@@ -135,26 +135,26 @@ AidRecord Pass<Frame>::try_update(FilterRun<Frame>& run, Channel channel, const 
         return record;
     }
     if (withheld) {
-        record.status = AidStatus::Withheld;
+        record.status = MeasurementStatus::Withheld;
         return record;
     }
     const double drift =
-        std::sqrt(run.filter.P.diagonal().template segment<3>(kind == AidKind::GnssVelocity ? 6 : 3).maxCoeff()) *
-        (kind == AidKind::GnssVelocity ? 10.0 : 1.0);
+        std::sqrt(run.filter.P.diagonal().template segment<3>(kind == MeasurementKind::GnssVelocity ? 6 : 3).maxCoeff()) *
+        (kind == MeasurementKind::GnssVelocity ? 10.0 : 1.0);
     if (settings_.integrity.use && is_part_of_fix(kind)) {
         const Eigen::Vector3d of_state = record.sigma_state.cwiseAbs2();
         const Examined examined{
             kind, record.time, m.innovation, record.sigma.squaredNorm(), of_state, record.sigma.cwiseAbs2() - of_state};
         record.status = examine(run, channel, record, examined, observer);
-        if (record.status == AidStatus::Accepted && !use(run, channel, local, m, stamp, observer))
-            record.status = AidStatus::Withheld;
+        if (record.status == MeasurementStatus::Accepted && !use(run, channel, local, m, stamp, observer))
+            record.status = MeasurementStatus::Withheld;
         return record;
     }
     if (contests(kind)) {
         Measurement moved = local, own = m;
         record.status = judge(run, channel, record, moved, own, observer);
-        if (record.status == AidStatus::Accepted && !use(run, channel, moved, own, stamp, observer))
-            record.status = AidStatus::Withheld;
+        if (record.status == MeasurementStatus::Accepted && !use(run, channel, moved, own, stamp, observer))
+            record.status = MeasurementStatus::Withheld;
         return record;
     }
     Eigen::Vector3d used = Eigen::Vector3d::Zero();
@@ -162,20 +162,21 @@ AidRecord Pass<Frame>::try_update(FilterRun<Frame>& run, Channel channel, const 
     const GateDecision decision =
         decide(run.gates[channel.gate()], data_.gates, record.time, m.dof, record.nis, m.innovation, used, drift);
     if (decision == GateDecision::Reject ||
-        (decision == GateDecision::Recover && !is_part_of_fix(kind) && kind != AidKind::Baro)) {
-        if (decision == GateDecision::Recover && kind == AidKind::Heading) run.refused_heading = std::abs(m.innovation.x());
-        record.status = AidStatus::Rejected;
+        (decision == GateDecision::Recover && !is_part_of_fix(kind) && kind != MeasurementKind::Baro)) {
+        if (decision == GateDecision::Recover && kind == MeasurementKind::Heading)
+            run.refused_heading = std::abs(m.innovation.x());
+        record.status = MeasurementStatus::Rejected;
         return record;
     }
     if (decision == GateDecision::Recover) recover(run, channel, local);
-    if (kind == AidKind::Heading) run.refused_heading = 0.0;
-    record.status = use(run, channel, local, m, stamp, observer) ? AidStatus::Accepted : AidStatus::Withheld;
+    if (kind == MeasurementKind::Heading) run.refused_heading = 0.0;
+    record.status = use(run, channel, local, m, stamp, observer) ? MeasurementStatus::Accepted : MeasurementStatus::Withheld;
     return record;
 }
 
 template <class Frame>
 void Pass<Frame>::change_constellation(FilterRun<Frame>& run, const Event& event) const {
-    const bool position = event.kind == AidKind::GnssPosition;
+    const bool position = event.kind == MeasurementKind::GnssPosition;
     const int offset = position ? model_.layout.gnss_position : model_.layout.gnss_velocity;
     if (offset < 0) return;
     const Eigen::Vector3d& jump = position ? model_.gnss.change_correlated_position : model_.gnss.change_correlated_velocity;
@@ -189,7 +190,8 @@ void Pass<Frame>::change_constellation(FilterRun<Frame>& run, const Event& event
     template Eigen::Vector3d Pass<Frame>::velocity_variance(const InertialFilter<Frame>&, const Estimate&, const Event&, int)   \
         const;                                                                                                                  \
     template Measurement Pass<Frame>::measurement_of(const InertialFilter<Frame>&, const Event&) const;                         \
-    template AidRecord Pass<Frame>::try_update(FilterRun<Frame>&, Channel, const Measurement&, Time, bool, Observer&) const;    \
+    template MeasurementRecord Pass<Frame>::try_update(FilterRun<Frame>&, Channel, const Measurement&, Time, bool, Observer&)   \
+        const;                                                                                                                  \
     template void Pass<Frame>::recover(FilterRun<Frame>&, Channel, const Measurement&) const;                                   \
     template void Pass<Frame>::change_constellation(FilterRun<Frame>&, const Event&) const;
 SCHULER_INSTANTIATE(GeographicFrame)

@@ -86,7 +86,7 @@ struct RangeTracking {
         std::optional<Time> used{};                                 ///< of its last phase in the filter
         bool jumped = false;                                        ///< begun by a phase that did not fit: perhaps half cycles
         bool trusted = false;                                       ///< among the integers last found
-        bool held = false;                                          ///< the filter has been told its integer
+        bool held = false;                                          ///< its integer is used by the filter
         double integer = std::numeric_limits<double>::quiet_NaN();  ///< m, last found: differences within a group matter
     };
     std::array<Ambiguity, Layout::most_ambiguities> ambiguities{};
@@ -104,7 +104,7 @@ struct CarrierUse {
     int slipped = 0;     ///< whose ambiguity began anew
     int doubted = 0;     ///< 1: the prediction contradicted most of them and was opened
     int whole = 0;       ///< ambiguities of them that may be integers
-    int held = 0;        ///< of which the filter knows the integer
+    int held = 0;        ///< with a fixed integer
     double ratio = 0.0;  ///< of the last search; 0: none
 };
 
@@ -151,7 +151,7 @@ public:
 
     /// Carrier phases relative to a base, of an epoch whose ranges have been used: their ambiguities are states. A phase that
     /// contradicts the others and the prediction has slipped, and its ambiguity begins anew. Integers that are found several times in a
-    /// row are told to the filter. The scalars of the epoch are then those of the phases.
+    /// row are used by the filter. The scalars of the epoch are then those of the phases.
     CarrierUse use_carriers(InertialFilter<Frame>& filter, RangeTracking& tracking, const RangingLog& log,
                             const RangeEpoch& epoch, RangeListener* listener) const;
 
@@ -176,7 +176,7 @@ private:
                        const RangeEpoch& epoch, const std::array<int, RangeEpochWork::most>& assigned) const;
     [[nodiscard]] int misfits(const InertialFilter<Frame>& filter, RangeEpochWork& work) const;
     void doubt_prediction(InertialFilter<Frame>& filter, const RangeTracking& tracking, const RangeEpochWork& work) const;
-    /// Searches integers and tells them to the filter.
+    /// Searches integers and fixes them in the filter.
     void find_integers(InertialFilter<Frame>& filter, RangeTracking& tracking, const RangingLog& log, const RangeEpoch& epoch,
                        RangeListener* listener, CarrierUse& use) const;
     [[nodiscard]] const sensor::RangeErrorModel& errors_of(bool station) const {

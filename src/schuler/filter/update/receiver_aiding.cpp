@@ -22,18 +22,18 @@ EarthFixedMotion antenna_motion(const earth::Earth& earth, const NavState& nav, 
     return m;
 }
 
-LineOfSightAid line_of_sight_aid(const EarthFixedMotion& antenna, const EarthFixedMotion& transmitter,
-                                 const Eigen::Matrix3d& C_en, const Eigen::Matrix<double, 6, 6>& P) {
+LineOfSightPrediction line_of_sight_prediction(const EarthFixedMotion& antenna, const EarthFixedMotion& transmitter,
+                                               const Eigen::Matrix3d& C_en, const Eigen::Matrix<double, 6, 6>& P) {
     const Vector3d dr = antenna.r_e - transmitter.r_e, dv = antenna.v_e - transmitter.v_e, da = antenna.a_e - transmitter.a_e;
-    LineOfSightAid aid{};
-    aid.range = dr.norm();
-    const Vector3d u = dr / aid.range;
-    aid.rate = u.dot(dv);
-    aid.acceleration = u.dot(da) + (dv.squaredNorm() - aid.rate * aid.rate) / aid.range;
+    LineOfSightPrediction seen{};
+    seen.range = dr.norm();
+    const Vector3d u = dr / seen.range;
+    seen.rate = u.dot(dv);
+    seen.acceleration = u.dot(da) + (dv.squaredNorm() - seen.rate * seen.rate) / seen.range;
     const Vector3d u_n = C_en.transpose() * u;
-    aid.std_range = std::sqrt(u_n.dot(P.topLeftCorner<3, 3>() * u_n));
-    aid.std_rate = std::sqrt(u_n.dot(P.bottomRightCorner<3, 3>() * u_n));
-    return aid;
+    seen.std_range = std::sqrt(u_n.dot(P.topLeftCorner<3, 3>() * u_n));
+    seen.std_rate = std::sqrt(u_n.dot(P.bottomRightCorner<3, 3>() * u_n));
+    return seen;
 }
 
 }  // namespace schuler::filter

@@ -21,7 +21,7 @@ struct EarthFixedMotion {
                                               const Eigen::Vector3d& w_ib_b, const Eigen::Vector3d& lever_arm_b);
 
 /// Data for a tracking loop to follow a signal through the antenna motion; clocks and light time are left to the loop.
-struct LineOfSightAid {
+struct LineOfSightPrediction {
     double range;         ///< m
     double rate;          ///< m/s
     double acceleration;  ///< m/s^2
@@ -30,7 +30,7 @@ struct LineOfSightAid {
 };
 
 /// P: covariance of position and velocity of the antenna, north, east, down at the position of `nav`, 6 x 6.
-[[nodiscard]] LineOfSightAid line_of_sight_aid(const EarthFixedMotion& antenna, const EarthFixedMotion& transmitter,
-                                               const Eigen::Matrix3d& C_en, const Eigen::Matrix<double, 6, 6>& P);
+[[nodiscard]] LineOfSightPrediction line_of_sight_prediction(const EarthFixedMotion& antenna, const EarthFixedMotion& transmitter,
+                                                             const Eigen::Matrix3d& C_en, const Eigen::Matrix<double, 6, 6>& P);
 
 }  // namespace schuler::filter

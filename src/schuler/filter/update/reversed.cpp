@@ -34,7 +34,7 @@ Recording reversed(const Recording& r) {
 }
 
 /// Samples of the channel referred to by events of this kind.
-std::size_t samples_of(const Recording& r, AidKind kind) {
+std::size_t samples_of(const Recording& r, MeasurementKind kind) {
     std::size_t n = is_part_of_fix(kind) ? r.gnss.size() : 0;
     for_each_instrument([&](const auto& instrument) {
         if (instrument.kind == kind) n = (r.*instrument.log).size();

@@ -1,4 +1,4 @@
-// Gains of the separate scheme: the mechanization is reset to the receiver; its errors are not estimated.
+// Gains of the uncoupled scheme: the mechanization is reset to the receiver; its errors are not estimated.
 #pragma once
 
 #include "schuler/filter/settings.h"

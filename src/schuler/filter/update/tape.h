@@ -61,7 +61,7 @@ public:
         order_.push_back(Kind::Instant);
         points_.push_back({run.filter, run.filter.time(), OutageEpoch{}, Measurement{}, run.undecided(model_), index});
     }
-    void outage_epoch(const FilterRun<Frame>& run, const Event& event, const Measurement& m, const AidRecord&) override {
+    void outage_epoch(const FilterRun<Frame>& run, const Event& event, const Measurement& m, const MeasurementRecord&) override {
         order_.push_back(Kind::Outage);
         OutageEpoch epoch;
         epoch.outage = event.outage;

@@ -34,7 +34,7 @@ struct ImuTimeline {
 struct Event {
     Time valid;  ///< when the measured quantity was valid
     Time stamp;  ///< in the log
-    AidKind kind;
+    MeasurementKind kind;
     std::uint8_t components = 7;        ///< bits: 1 north, 2 east, 4 down
     bool withheld = false;              ///< inside an outage: compared, not used
     int outage = -1;                    ///< the outage whose table contains this epoch

@@ -327,7 +327,7 @@ FixScreen screen_fixes(const std::vector<GnssFix>& fixes, const Settings& settin
             fmt::format("the receiver hung: {} positions and {} velocities, the first {:.1f} s after the first fix, repeat the "
                         "ones before to the last digit while it moved; they were left out",
                         frozen.positions, frozen.velocities, (*frozen.first - origin).seconds()));
-    if (settings.integrity.use || settings.aids.gate_probability <= 0.0) return screen;
+    if (settings.integrity.use || settings.constraints.gate_probability <= 0.0) return screen;
     for (std::size_t i = 0; frozen.any() && i < seen.size(); ++i) seen[i] = screen.without(seen[i], i);
     const std::vector<bool> strayed = strayed_positions(seen, settings.earth);
     const auto first = std::ranges::find(strayed, true);

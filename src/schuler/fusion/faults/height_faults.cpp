@@ -162,7 +162,7 @@ std::vector<bool> heights_off_barometer(const Recording& recording, const filter
 
 void screen_heights(FixScreen& screen, const Recording& recording, const filter::ImuTimeline& imu, const Settings& settings,
                     Time origin, WarningLog& warnings) {
-    if (!settings.baro.use || settings.integrity.use || settings.aids.gate_probability <= 0.0) return;
+    if (!settings.baro.use || settings.integrity.use || settings.constraints.gate_probability <= 0.0) return;
     screen.height = heights_off_barometer(recording, imu, settings.earth);
     const auto first = std::ranges::find(screen.height, true);
     if (first == screen.height.end()) return;

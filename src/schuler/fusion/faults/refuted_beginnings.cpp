@@ -67,7 +67,7 @@ std::vector<RefutedBeginning> refuted_beginnings(const std::vector<SolutionRow>&
 std::size_t withhold(std::vector<filter::Event>& events, const std::vector<RefutedBeginning>& beginnings) {
     std::size_t n = 0;
     for (filter::Event& e : events) {
-        if (e.kind != filter::AidKind::GnssPosition || e.withheld) continue;
+        if (e.kind != filter::MeasurementKind::GnssPosition || e.withheld) continue;
         e.withheld =
             std::ranges::any_of(beginnings, [&](const RefutedBeginning& b) { return e.stamp >= b.first && e.stamp < b.end; });
         n += e.withheld ? 1 : 0;

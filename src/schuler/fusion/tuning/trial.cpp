@@ -10,7 +10,7 @@ Settings plain_settings(const Settings& settings) {
     s.coupling = Coupling::Loose;
     s.loose_kind = LooseKind::Standard;
     s.integrity.use = s.smooth = s.backward = false;
-    s.aids.nonholonomic = s.aids.nonholonomic_auto = false;
+    s.constraints.nonholonomic = s.constraints.nonholonomic_auto = false;
     s.scale_factors = s.misalignments = s.estimate_lever_arm = s.disturbance.estimate = false;
     return s;
 }
@@ -25,7 +25,9 @@ Settings trial_settings(const Settings& settings) {
 
 RunData gnss_only(const RunData& all) {
     RunData data = all;
-    std::erase_if(data.events, [](const Event& e) { return e.kind != AidKind::GnssPosition && e.kind != AidKind::GnssVelocity; });
+    std::erase_if(data.events, [](const Event& e) {
+        return e.kind != MeasurementKind::GnssPosition && e.kind != MeasurementKind::GnssVelocity;
+    });
     return data;
 }
 

@@ -71,7 +71,8 @@ double TrialJudge::cost(const Settings& settings, bool surroundings) {
     if (settings.gnss.estimate_latency) trial.gnss.latency_std = trial.gnss.velocity_latency_std = 0.0;  // to be found
     if (!surroundings) trial.baro.use = trial.mag.use = false;
     if (!surroundings)
-        std::erase_if(data_.events, [](const Event& e) { return e.kind == AidKind::Baro || e.kind == AidKind::Mag; });
+        std::erase_if(data_.events,
+                      [](const Event& e) { return e.kind == MeasurementKind::Baro || e.kind == MeasurementKind::Mag; });
     PassOptions options;
     options.outputs = false;
     options.rivalry = Rivalry::None;  // faster, and a likelihood independent of the outcome of contests
@@ -83,10 +84,10 @@ double TrialJudge::cost(const Settings& settings, bool surroundings) {
     constexpr double first = 6.0, last = 1.0;  // s
     double sum = 0.0, n = 0.0;
     std::size_t at = 0;
-    for (const AidRecord& r : run.aids) {
-        const bool counts = is_part_of_fix(r.kind) || r.kind == AidKind::Baro || r.kind == AidKind::Mag;
+    for (const MeasurementRecord& r : run.measurements) {
+        const bool counts = is_part_of_fix(r.kind) || r.kind == MeasurementKind::Baro || r.kind == MeasurementKind::Mag;
         // By stamps, and away from the ends: the same samples for any latency.
-        if (!counts || r.status == AidStatus::Withheld || (r.stamp - start_.nav.time).seconds() < first ||
+        if (!counts || r.status == MeasurementStatus::Withheld || (r.stamp - start_.nav.time).seconds() < first ||
             (stop() - r.stamp).seconds() < last)
             continue;
         if (is_spoiled(r.stamp)) continue;

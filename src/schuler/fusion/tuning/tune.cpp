@@ -132,7 +132,7 @@ namespace {
 /// m: upper limit of the wander of any receiver; a poor model of the inertial unit must not be taken for it.
 constexpr double most_wander = 2.5;
 /// Slow errors north, east, down of a receiver relative to the horizontal ones: all satellites are on one side of it. `stated`: typical
-/// sigmas of the log, zero if there are none; a smaller ratio than usual is believed, or nothing would be left for the white part.
+/// sigmas of the log, zero if there are none; a smaller ratio than usual is accepted, or nothing would be left for the white part.
 Vector3d upright(const Vector3d& stated) {
     constexpr double usual = 1.5;
     return {1.0, 1.0, stated.x() > 0.0 && stated.z() > 0.0 ? std::clamp(stated.z() / stated.x(), 1.0, usual) : usual};

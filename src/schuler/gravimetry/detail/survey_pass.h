@@ -1,4 +1,4 @@
-// A survey's filter along its increments, forward or in reversed time, and what it knows at an epoch.
+// A survey's filter along its increments, forward or in reversed time, and its estimate at an epoch.
 #pragma once
 
 #include "schuler/filter/states/model.h"

@@ -8,7 +8,7 @@
 
 namespace schuler::inspect::detail {
 
-/// Regular files by name, without hidden ones and without links to others of them; what is left out is told.
+/// Regular files by name, without hidden ones and without links to others of them; what is left out is reported.
 /// @throws Error(Input) if the folder cannot be listed
 [[nodiscard]] std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder, Study& study);
 

@@ -93,7 +93,7 @@ void judge_baro(Study& study) {
                                             factor == 100.0 ? "hPa" : "kPa", 0.9, fmt::format("the median is {:.5g}", typical)});
             }
             if (stated || factor == 0.0)
-                file.problem(Level::Error, fmt::format("a pressure of {:.5g} Pa by its name is not air pressure", typical),
+                file.problem(Level::Error, fmt::format("a pressure of {:.5g} Pa by its name is out of range", typical),
                              "give the factor: [baro] scale = { pressure_pa = ... }");
         }
     }

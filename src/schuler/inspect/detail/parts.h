@@ -9,7 +9,7 @@ namespace schuler::inspect::detail {
 [[nodiscard]] bool is_result(const LoadedFile& file);
 
 /// Joins the parts of the log that was chosen to it: logs of its folder with its name except for numbers, and its columns, that continue
-/// it without a long pause. Other logs named like parts, and logs that continue it and are not joined, are told.
+/// it without a long pause. Other logs named like parts, and logs that continue it and are not joined, are reported.
 /// The log of the earliest part, which has the rows of all, is returned.
 LoadedFile* with_parts(Study& study, LoadedFile* chosen, const std::string& section);
 

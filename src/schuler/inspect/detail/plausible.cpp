@@ -28,8 +28,9 @@ std::pair<std::string, std::string> no_air(const LoadedFile& file) {
     const std::string named = fmt::format("if it is a barometer's: [baro] file = {}", toml_text(file.report.path));
     constexpr double highest = 1e5;  // m, of the air
     if (std::isfinite(pressure) && !is_air_pressure(pressure))
-        return {fmt::format("column {} has a median of {:.5g}, which is no air pressure in Pa, hPa or kPa: the table is not used",
-                            column("pressure_pa"), pressure),
+        return {fmt::format(
+                    "column {} has a median of {:.5g}, out of range of an air pressure in Pa, hPa or kPa: the table is not used",
+                    column("pressure_pa"), pressure),
                 named + ", scale = { pressure_pa = ... }"};
     if (std::abs(height) > highest)
         return {fmt::format("column {} has a median of {:.5g} m, which is beyond the atmosphere: the table is not used",

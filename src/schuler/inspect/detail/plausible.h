@@ -1,4 +1,4 @@
-// Whether the numbers of a table can be what its names say.
+// Whether the numbers of a table agree with the names of its columns.
 #pragma once
 
 #include "schuler/inspect/detail/loaded_file.h"

@@ -71,7 +71,7 @@ void read_as_said(LoadedFile& file, const io::TableLayout& layout) {
 }
 
 /// Wheel speed, or heading, by the names of the interface: these logs have no other names.
-bool recognise_plain_aid(LoadedFile& file, const io::TableLayout& layout) {
+bool recognise_plain_companion(LoadedFile& file, const io::TableLayout& layout) {
     const auto is = [&](const char* value, const char* sigma) {
         const auto known = [&](const std::string& name) { return name == "time_s" || name == value || name == sigma; };
         const auto has = [&](const char* name) { return std::ranges::find(layout.names, name) != layout.names.end(); };
@@ -201,7 +201,7 @@ void recognise_table(LoadedFile& file) {
         read_table(file, layout);
         return;
     }
-    if (recognise_plain_aid(file, layout)) return;
+    if (recognise_plain_companion(file, layout)) return;
     file.table = io::guess_table_kind(layout);
     const auto has_blank = [](const std::vector<std::string>& row) { return std::ranges::any_of(row, &std::string::empty); };
     if (!file.table && std::ranges::any_of(layout.sample, has_blank)) {

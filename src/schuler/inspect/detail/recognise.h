@@ -15,7 +15,7 @@ void recognise_and_read(LoadedFile& file);
 /// Reads the rows of a table with a known plan into the file; problems of rows are reported, not thrown.
 void read_table(LoadedFile& file, const io::TableLayout& layout);
 
-/// True for the table of an IMU or of fixes that is named for an aid whose columns it has too: it may still take its own role.
+/// True for the table of an IMU or of fixes that is named for a companion log whose columns it has too: it may still take its own role.
 [[nodiscard]] bool is_table_of_another(const std::filesystem::path& path, io::TableKind named);
 
 /// How a file was recognised and its columns interpreted, one line each.

@@ -93,7 +93,7 @@ void judge_idle_velocity(Study& study);
 /// Determines unit, order and signs of the velocities from the displacement of the positions; removes them if nothing makes the two
 /// agree. A vehicle that hardly travels shows nothing. Called before the series are formed.
 void judge_velocity(Study& study);
-/// The velocities of the GNSS log are used neither by the studies nor by the run, unless the user said they are.
+/// The velocities of the GNSS log are used neither by the studies nor by the run, unless a setting requires it.
 void leave_out_velocities(Study& study, const std::string& why);
 /// Exchanges latitude and longitude if the velocities show that they are swapped. Called before the series are formed.
 void judge_coordinates(Study& study);

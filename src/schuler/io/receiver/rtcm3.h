@@ -1,4 +1,4 @@
-// RTCM 3 streams: measurements, ephemerides, and what is said of the station.
+// RTCM 3 streams: measurements, ephemerides, and descriptions of the station.
 #pragma once
 
 #include "schuler/core/log.h"

@@ -18,7 +18,7 @@ inline constexpr std::size_t vectornav_incomplete = SIZE_MAX;
 /// Size of the message at the beginning of `bytes`, checksum included; 0 if there is none, vectornav_incomplete if its end is missing.
 [[nodiscard]] std::size_t vectornav_size(std::string_view bytes);
 
-/// Content of a message. The axes are forward-right-down unless the unit has been told another reference frame.
+/// Content of a message. The axes are forward-right-down unless the unit is configured for another reference frame.
 struct VectorNavMessage {
     /// Where the inertial data come from, the preferred source first.
     enum class Inertial : std::uint8_t {
@@ -40,7 +40,7 @@ struct VectorNavMessage {
     std::optional<NavState> solution;      ///< of the unit's own filter; without time
 };
 
-/// `message`: complete, of the size told by vectornav_size.
+/// `message`: complete, of the size returned by vectornav_size.
 [[nodiscard]] VectorNavMessage parse_vectornav(std::string_view message);
 
 /// True if a message repeats the fix of the previous one: the unit does so until the receiver has a new one.

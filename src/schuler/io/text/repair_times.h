@@ -22,7 +22,7 @@ struct TimeRepair {
 /// intervals), and continues times that fall from the end of a week (604800 s) or a day (86400 s) to its start. Rows between a step
 /// of the clock and a step of the same size (to half a usual interval) the other way, of which one goes back, were written in order by
 /// a clock that was off: with that step taken back they lie evenly between the others, and sorted they would lie among rows that were
-/// measured at other times. Single rows are not told from rows written late: more than five are needed, and less than half of the log.
+/// measured at other times. Single rows cannot be distinguished from rows written late: more than five are needed, and less than half of the log.
 /// @param times ns; changed only after a rollover and in such an interval
 [[nodiscard]] TimeRepair repair_times(std::vector<std::int64_t>& times);
 

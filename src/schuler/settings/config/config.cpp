@@ -1,6 +1,7 @@
 #include "schuler/settings/config/config.h"
 
 #include "schuler/sensor/grades.h"
+#include "schuler/settings/config/applicability.h"
 #include "schuler/settings/config/sections.h"
 #include "schuler/settings/toml_file.h"
 
@@ -22,10 +23,12 @@ OptionTable<Config> make_table() {
     add_filter_options(table);
     add_coupling_options(table);
     add_gravity_options(table);
-    add_aid_options(table);
+    add_instrument_options(table);
     add_ranging_options(table);
     add_run_options(table);
-    table.edit_specs([](OptionSpec& spec) { spec.applies = condition_of(spec.key); });
+    table.edit_specs([](OptionSpec& spec) {
+        if (const Applicability* one = applicability_of(spec.key)) spec.applies = one->condition;
+    });
     return table;
 }
 
@@ -83,7 +86,7 @@ Config config_from(const SettingList& settings) {
     config.filter.ranging.corrections = config.raw.solver.ranges;
     const bool wheeled = config.filter.vehicle == fusion::VehicleKind::Car;
     config.nonholonomic = config.nonholonomic.value_or(wheeled);
-    config.filter.aids.nonholonomic = *config.nonholonomic;
+    config.filter.constraints.nonholonomic = *config.nonholonomic;
     // Scale and misalignment errors of a unit cause errors that grow with every turn, not represented by white noise.
     const sensor::ImuErrorModel& imu = config.filter.imu.errors;
     constexpr double telling_scale = 2e-4, telling_misalignment = 1e-3;

@@ -3,8 +3,8 @@
 
 #include "schuler/dataset/description.h"
 #include "schuler/fusion/settings.h"
-#include "schuler/settings/config/aids.h"
 #include "schuler/settings/config/gravity.h"
+#include "schuler/settings/config/instruments.h"
 #include "schuler/settings/option_table.h"
 
 #include <algorithm>
@@ -63,7 +63,7 @@ struct Config : dataset::Description {
     std::optional<bool> nonholonomic;  ///< not given: on for a car
     fusion::Settings filter;
     GravityConfig gravity;
-    AidsConfig aids;
+    InstrumentsConfig instruments;
     RunConfig run;
     OutputConfig output;
 

@@ -24,16 +24,16 @@ void add_coupling_options(OptionTable<Config>& table) {
         .add(integer<Config>("filter.aggressive_parts", 2, 1000, "number of parts in which a fix is applied",
                              [](auto& c) -> auto& { return c.filter.aggressive_parts; }))
         .add(number<Config>("filter.separate.restart_s", 1.0, 0, 1e6,
-                            "uncoupled: interval at which position and velocity are reset to the fix; 0 = continuous correction",
+                            "interval at which position and velocity are reset to the fix; 0 = continuous correction",
                             separate(&SeparateSettings::restart_period)))
         .add(number<Config>("filter.separate.position_time_s", 1.0, 1e-3, 1e6,
-                            "uncoupled: time constant of the continuous correction of the position",
+                            "time constant of the continuous correction of the position",
                             separate(&SeparateSettings::position_time)))
         .add(number<Config>("filter.separate.velocity_time_s", 1.0, 1e-3, 1e6,
-                            "uncoupled: time constant of the continuous correction of the velocity",
+                            "time constant of the continuous correction of the velocity",
                             separate(&SeparateSettings::velocity_time)))
         .add(number<Config>("filter.separate.baro_time_s", 1.0, 5, 1e4,
-                            "uncoupled: time constant of the barometer's loop in the vertical channel",
+                            "time constant of the barometer's loop in the vertical channel",
                             separate(&SeparateSettings::baro_time)))
         .add(flag<Config>("filter.integrity.use", "monitor the receiver's integrity: exclude it while its fixes are inconsistent",
                           integrity(&IntegritySettings::use)))

@@ -128,7 +128,7 @@ void add_dataset_options(OptionTable<Config>& table) {
     add_parts(table, "imu", [](auto& c) -> auto& { return c.imu; });
     table.add(number<Config>(
         "imu.clock_drift_ppm", 1e-6, -1e4, 1e4,
-        "rate error, positive when fast, of the clock of this log and of those of barometer, magnetometer and odometer; counted from the first row",
+        "clock rate error, positive if fast, shared with the logs of barometer, magnetometer and odometer; counted from the first row",
         [](auto& c) -> auto& { return c.clock_drift; }));
     add_file(table, "gnss", "receiver's solution: CSV, RTKLIB .pos, NMEA or the text format of KF-GINS",
              [](auto& c) -> auto& { return c.gnss; });

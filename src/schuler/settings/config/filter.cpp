@@ -6,8 +6,8 @@
 namespace schuler::settings {
 namespace {
 
-using fusion::AidSettings;
 using fusion::BaroSettings;
+using fusion::ConstraintSettings;
 using fusion::InitialSettings;
 using fusion::Loop;
 using fusion::MagSettings;
@@ -21,8 +21,8 @@ auto mag(T MagSettings::*field) {
     return [=](auto& c) -> auto& { return c.filter.mag.*field; };
 }
 template <class T>
-auto aids(T AidSettings::*field) {
-    return [=](auto& c) -> auto& { return c.filter.aids.*field; };
+auto constraints(T ConstraintSettings::*field) {
+    return [=](auto& c) -> auto& { return c.filter.constraints.*field; };
 }
 /// One component of a vector of the initial state.
 auto component(Eigen::Vector3d InitialSettings::*field, int axis) {
@@ -181,10 +181,9 @@ void add_filter_options(OptionTable<Config>& table) {
             "estimated errors are fed back to the mechanization after every update (closed), applied to a copy "
             "(open), or fed back at intervals and applied to a copy in between (mixed)",
             [](auto& c) -> auto& { return c.filter.loop; }))
-        .add(number<Config>(
-            "filter.feedback_period_s", 1.0, 1e-3, 1e6,
-            "mixed loop: time between corrections; default: until the attitude error can have grown by feedback_attitude_deg",
-            [](auto& c) -> auto& { return c.filter.feedback_period; }))
+        .add(number<Config>("filter.feedback_period_s", 1.0, 1e-3, 1e6,
+                            "time between corrections; default: until the attitude error can have grown by feedback_attitude_deg",
+                            [](auto& c) -> auto& { return c.filter.feedback_period; }))
         .add(number<Config>("filter.feedback_attitude_deg", units::deg, 1e-6, 90,
                             "growth of the attitude error that is allowed between corrections",
                             [](auto& c) -> auto& { return c.filter.feedback_attitude; }))
@@ -196,7 +195,7 @@ void add_filter_options(OptionTable<Config>& table) {
             [](auto& c) -> auto& { return c.filter.backward; }))
         .add(flag<Config>(
             "filter.self_check",
-            "`process` withholds fixes in windows that it chooses, tests the sigmas against them, and raises the noise of the inertial "
+            "`process` withholds fixes in windows that it chooses, checks the predicted sigmas against the withheld fixes, and raises the noise of the inertial "
             "unit (imu.gyro_noise_scale, imu.accel_noise_scale) where they are too small; it checks a given lever arm too",
             [](auto& c) -> auto& { return c.run.self_check; }))
         .add(flag<Config>("filter.scale_factors",
@@ -208,40 +207,43 @@ void add_filter_options(OptionTable<Config>& table) {
         .add(flag<Config>("filter.estimate_lever_arm", "the antenna lever arm as states",
                           [](auto& c) -> auto& { return c.filter.estimate_lever_arm; }))
         .add(flag<Config>("filter.zero_velocity", "zero-velocity and zero-rate updates where the log shows the body still",
-                          aids(&AidSettings::zero_velocity)))
+                          constraints(&ConstraintSettings::zero_velocity)))
         .add(number<Config>("filter.zero_velocity_std_m_s", 1.0, 1e-6, 100, "velocity noise of zero-velocity updates",
-                            aids(&AidSettings::zero_velocity_std)))
+                            constraints(&ConstraintSettings::zero_velocity_std)))
         .add(number<Config>("filter.zero_rate_std_deg_s", units::deg_per_s, 0, 100,
-                            "rate noise of zero-rate updates, added to the gyro noise", aids(&AidSettings::zero_rate_std)))
+                            "rate noise of zero-rate updates, added to the gyro noise",
+                            constraints(&ConstraintSettings::zero_rate_std)))
         .add(flag<Config>("filter.nonholonomic",
                           "non-holonomic constraint: wheels neither slip sideways nor leave the ground; default: on for a car",
                           [](auto& c) -> auto& { return c.nonholonomic; }))
         .add(flag<Config>("filter.detect_wheels",
                           "impose the vehicle constraint once the log shows that the vehicle rolls on wheels; default: "
                           "on for KF-GINS projects",
-                          aids(&AidSettings::nonholonomic_auto)))
+                          constraints(&ConstraintSettings::nonholonomic_auto)))
         .add(number<Config>("filter.nonholonomic_std_lateral_m_s", 1.0, 1e-4, 100, "sideways velocity, one sigma",
-                            aids(&AidSettings::nonholonomic_std_lateral)))
+                            constraints(&ConstraintSettings::nonholonomic_std_lateral)))
         .add(number<Config>("filter.nonholonomic_std_vertical_m_s", 1.0, 1e-4, 100, "vertical velocity, one sigma",
-                            aids(&AidSettings::nonholonomic_std_vertical)))
+                            constraints(&ConstraintSettings::nonholonomic_std_vertical)))
         .add(number<Config>("filter.constraint_rate_hz", 1.0, 0.01, 1000, "rate of the constraint updates",
-                            aids(&AidSettings::constraint_rate)))
+                            constraints(&ConstraintSettings::constraint_rate)))
         .add(number<Config>("filter.gate_probability", 1.0, 0, 0.5,
-                            "probability that a good measurement is rejected; 0 = no gate", aids(&AidSettings::gate_probability)))
+                            "probability that a good measurement is rejected; 0 = no gate",
+                            constraints(&ConstraintSettings::gate_probability)))
         .add(number<Config>("filter.floor_m", 1.0, 0, 1e6, "lower limit of the sigmas of the position",
-                            aids(&AidSettings::floor_position)))
+                            constraints(&ConstraintSettings::floor_position)))
         .add(number<Config>("filter.floor_velocity_m_s", 1.0, 0, 1e6, "lower limit of the sigmas of the velocity",
-                            aids(&AidSettings::floor_velocity)))
+                            constraints(&ConstraintSettings::floor_velocity)))
         .add(number<Config>("filter.floor_attitude_deg", units::deg, 0, 180, "lower limit of the sigmas of the attitude",
-                            aids(&AidSettings::floor_attitude)))
+                            constraints(&ConstraintSettings::floor_attitude)))
         .add(number<Config>("filter.floor_gyro_bias_deg_h", units::deg_per_hour, 0, 1e6,
-                            "lower limit of the sigmas of the gyro biases", aids(&AidSettings::floor_gyro_bias)))
+                            "lower limit of the sigmas of the gyro biases", constraints(&ConstraintSettings::floor_gyro_bias)))
         .add(number<Config>("filter.floor_accel_bias_mg", units::mg, 0, 1e4,
-                            "lower limit of the sigmas of the accelerometer biases", aids(&AidSettings::floor_accel_bias)))
+                            "lower limit of the sigmas of the accelerometer biases",
+                            constraints(&ConstraintSettings::floor_accel_bias)))
         .add(number<Config>("filter.recovery_time_s", 1.0, 0, 1e5, "accept rejected fixes after they agree for this long",
-                            aids(&AidSettings::recovery_time)))
+                            constraints(&ConstraintSettings::recovery_time)))
         .add(integer<Config>("filter.recovery_count", 1, 100000, "smallest number of rejected fixes that must agree",
-                             aids(&AidSettings::recovery_count)));
+                             constraints(&ConstraintSettings::recovery_count)));
 }
 
 }  // namespace schuler::settings

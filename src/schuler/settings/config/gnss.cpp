@@ -111,7 +111,7 @@ void add_gnss_options(OptionTable<Config>& table) {
         .add(number<Config>("gnss.velocity_std_scale", 1.0, 1e-3, 1e3, "factor to the log's own sigmas of velocities",
                             gnss(&GnssSettings::velocity_std_scale)))
         .add(flag<Config>("gnss.estimate_std",
-                          "where the log gives no standard deviations: scale the defaults until the innovations agree",
+                          "where the log gives no standard deviations: scale the defaults until the innovations are consistent",
                           gnss(&GnssSettings::estimate_std)))
         .add(flag<Config>("gnss.use_velocity", "use the velocity of the log", gnss(&GnssSettings::use_velocity)));
     add_gnss_error_options(table, gnss(&GnssSettings::errors));

@@ -90,7 +90,8 @@ void add_imu_options(OptionTable<Config>& table) {
         "imu.accel_noise_scale", 1.0, 0.01, 1000,
         "factor of the accelerometers' noise and bias variation in the filter; default: found by the self-check of `process`",
         [](auto& c) -> auto& { return c.filter.imu.accel_noise_scale; }));
-    table.add(number<Config>("imu.gap_factor", 1.0, 1.1, 1e6, "a step longer than this times the median is a gap",
+    table.add(number<Config>("imu.gap_factor", 1.0, 1.1, 1e6,
+                             "a sampling interval longer than this multiple of the median is a gap",
                              [](auto& c) -> auto& { return c.filter.imu.gap_factor; }));
     table.add(axes_option("mag.axes", "directions of the magnetometer's x, y, z axes; default: as the IMU's", &Config::mag_axes,
                           false));

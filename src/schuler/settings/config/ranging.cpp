@@ -12,11 +12,10 @@ void add_ranging_options(OptionTable<Config>& table) {
         return [=](auto& c) -> auto& { return c.filter.ranging.protection.*field; };
     };
     table
-        .add(
-            flag<Config>("filter.protection.use",
-                         "tight coupling: monitor for pseudorange faults that no single epoch reveals, and write protection.csv; "
-                         "default: on for data sets",
-                         protection(&ProtectionSettings::use)))
+        .add(flag<Config>("filter.protection.use",
+                          "monitor for slowly growing pseudorange faults, and write protection.csv; "
+                          "default: on for data sets",
+                          protection(&ProtectionSettings::use)))
         .add(number<Config>(
             "filter.protection.missed_detection", 1.0, 1e-9, 0.1,
             "maximum probability that a fault of one satellite moves the position beyond its protection level without an alarm",
@@ -30,13 +29,12 @@ void add_ranging_options(OptionTable<Config>& table) {
         .add(number<Config>("ranges.receiver_acceleration_m_s_sqrt_s", 1.0, 1e-4, 1e3,
                             "intermediate coupling: white acceleration assumed by the receiver-only filter",
                             [](auto& c) -> auto& { return c.filter.ranging.receiver_acceleration; }))
-        .add(flag<Config>("ranges.use_rates", "tight coupling: use range rates too",
-                          [](auto& c) -> auto& { return c.filter.ranging.use_rates; }))
+        .add(flag<Config>("ranges.use_rates", "use range rates too", [](auto& c) -> auto& { return c.filter.ranging.use_rates; }))
         .add(flag<Config>(
             "ranges.slow_by_model",
-            "tight coupling: sigma of a satellite's slowly varying error from the residual errors of the atmosphere models and the ephemeris, instead of ranges.correlated_m; default for raw measurements where that is not given",
+            "sigma of a satellite's slowly varying error from the residual errors of the atmosphere models and the ephemeris, instead of ranges.correlated_m; default for raw measurements where that is not given",
             [](auto& c) -> auto& { return c.filter.ranging.slow_by_model; }))
-        .add(flag<Config>("ranges.use_stations", "tight coupling: use the ranges of ground stations too",
+        .add(flag<Config>("ranges.use_stations", "use the ranges of ground stations too",
                           [](auto& c) -> auto& { return c.filter.ranging.use_stations; }))
         .add(number<Config>("baro.bias_time_s", 1.0, 0, 1e7,
                             "correlation time of the barometer's bias, whose sigma is then stationary; 0 = random walk",

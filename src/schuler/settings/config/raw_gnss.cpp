@@ -65,7 +65,7 @@ void add_raw_gnss_options(OptionTable<Config>& table) {
         .add(choice<Config, IonosphereModel>(
             "gnss.ionosphere",
             {{"broadcast", IonosphereModel::Broadcast}, {"dual", IonosphereModel::Dual}, {"none", IonosphereModel::None}},
-            "Klobuchar's model, or the combination of two frequencies", ranges(&gnss::RangeSettings::ionosphere)))
+            "Klobuchar's model, or the ionosphere-free combination of two frequencies", ranges(&gnss::RangeSettings::ionosphere)))
         .add(choice<Config, TroposphereModel>(
             "gnss.troposphere", {{"saastamoinen", TroposphereModel::Saastamoinen}, {"none", TroposphereModel::None}},
             "delay in the standard atmosphere", ranges(&gnss::RangeSettings::troposphere)))

@@ -66,11 +66,13 @@ Option<Config> outage_option() {
 }
 
 Option<Config> output_files_option() {
-    OptionSpec spec = detail::spec("output.files", Shape::Texts, "files that are written");
+    OptionSpec spec = detail::spec(
+        "output.files", Shape::Texts,
+        "files that are written; mat: run.mat, the tables of run.h5 for Octave and MATLAB; covariance: the full matrix, in run.h5; "
+        "states: states.csv, every state with its sigma");
     spec.choices = {"solution", "summary", "h5", "report", "kml", "config", "mat", "covariance", "states"};
     spec.form =
-        "a list of \"solution\", \"summary\", \"h5\", \"report\", \"kml\", \"config\", \"mat\" (run.mat: the tables of run.h5 for Octave and MATLAB), "
-        "\"covariance\" (the whole of it, in run.h5), \"states\" (states.csv: every state with its sigma)";
+        "a list of \"solution\", \"summary\", \"h5\", \"report\", \"kml\", \"config\", \"mat\", \"covariance\", \"states\"";
     return {std::move(spec),
             [](Config& c, const Value& v) {
                 c.output.files.clear();
@@ -93,13 +95,17 @@ std::vector<OutageSpan> outages_from_tables(const ValueList& tables) {
 }
 
 void add_run_options(OptionTable<Config>& table) {
-    table.add(time_option("run.start_s", "data before this time are left out", &RunConfig::start))
-        .add(time_option("run.stop_s", "data after this time are left out", &RunConfig::stop))
-        .add(number<Config>("run.settle_s", 1.0, 0, 1e9, "errors are counted from here; default: alignment + 60 s",
+    table
+        .add(time_option(
+            "run.start_s",
+            "start of processing: seconds after the first GNSS epoch (without GNSS: the first IMU epoch), or abs:T in the time of the log",
+            &RunConfig::start))
+        .add(time_option("run.stop_s", "end of processing, given as run.start_s", &RunConfig::stop))
+        .add(number<Config>("run.settle_s", 1.0, 0, 1e9, "start of the error statistics; default: alignment + 60 s",
                             [](auto& c) -> auto& { return c.run.settle; }))
         .add(flag<Config>(
             "run.keep_given",
-            "use given values even if the data refute them; without it the value from the data is used. Both are reported",
+            "keep given values that contradict the data; otherwise the value from the data is used. Both are reported",
             [](auto& c) -> auto& { return c.run.keep_given; }))
         .add(outage_option())
         .add(number<Config>("output.rate_hz", 1.0, 0, 1e5, "rate of the solution; 0 = every IMU epoch",

@@ -13,17 +13,15 @@ namespace schuler::settings {
 void add_dataset_options(OptionTable<Config>& table);  ///< name, time, vehicle, earth, files
 void add_imu_options(OptionTable<Config>& table);
 void add_gnss_options(OptionTable<Config>& table);
-void add_raw_gnss_options(OptionTable<Config>& table);  ///< raw measurements
-void add_base_options(OptionTable<Config>& table);      ///< a base station
-void add_filter_options(OptionTable<Config>& table);    ///< baro, mag, initial, filter
-void add_coupling_options(OptionTable<Config>& table);  ///< filter.loose, filter.separate, filter.integrity
-void add_gravity_options(OptionTable<Config>& table);   ///< gravity, anomaly
-void add_aid_options(OptionTable<Config>& table);       ///< gauges, log, compass
-void add_ranging_options(OptionTable<Config>& table);   ///< ranges
-void add_run_options(OptionTable<Config>& table);       ///< run, outage, output
+void add_raw_gnss_options(OptionTable<Config>& table);    ///< raw measurements
+void add_base_options(OptionTable<Config>& table);        ///< a base station
+void add_filter_options(OptionTable<Config>& table);      ///< baro, mag, initial, filter
+void add_coupling_options(OptionTable<Config>& table);    ///< filter.loose, filter.separate, filter.integrity
+void add_gravity_options(OptionTable<Config>& table);     ///< gravity, anomaly
+void add_instrument_options(OptionTable<Config>& table);  ///< gauges, log, compass
+void add_ranging_options(OptionTable<Config>& table);     ///< ranges
+void add_run_options(OptionTable<Config>& table);         ///< run, outage, output
 
-/// The condition for an option of this key to have an effect: "filter.scheme = \"separate\""; empty: always.
-[[nodiscard]] std::string condition_of(std::string_view key);
 /// One file or a list of them; none means "not given".
 template <class Access>
 Option<Config> file_list(const std::string& key, const std::string& help, Access access) {

@@ -16,12 +16,12 @@ const std::vector<KnownScheme>& known_schemes() {
     static const std::vector<KnownScheme> list{
         {"gnss", "receiver alone", {{"filter.scheme", {std::string("gnss")}, {}}}},
         {"separate-restart",
-         "a separate, restarted every minute",
+         "a uncoupled, restarted every minute",
          // clang-format off
          {{"filter.scheme", {std::string("separate")}, {}}, {"filter.separate.restart_s", {60.0}, {}}}},
         {"separate",
          // clang-format on
-         "a separate, continuous correction",
+         "a uncoupled, continuous correction",
          // clang-format off
          {{"filter.scheme", {std::string("separate")}, {}}, {"filter.separate.restart_s", {0.0}, {}}}},
         {"loose", "b loose, standard", {{"filter.scheme", {std::string("loose")}, {}}}},

@@ -80,7 +80,7 @@ Fault fault_of(const ValueTable& table) {
     }
     if (!started || kind.empty()) throw bad("lacks start_s or kind");
     if (out.duration < 0.0) throw bad("duration_s is negative");
-    if (!(out.direction.norm() > 0.0)) throw bad("direction points nowhere");
+    if (!(out.direction.norm() > 0.0)) throw bad("direction is a zero vector");
     std::vector<std::string> kinds;
     for (const KnownFault& k : known) {
         if (sensor != k.sensor) continue;

@@ -47,7 +47,7 @@ void add_sources(OptionTable<S>& table) {
             }))
         .add(list_of<S, SatelliteLimit>(
             "ranges.limit", "[ { start_s, keep, variant }, ... ]",
-            "limits the number of satellites from start_s on: up to four of the four with the best geometry, more: the highest",
+            "limits the number of satellites from start_s on: up to four those with the best geometry, more the highest ones",
             list(&R::limits),
             [](SatelliteLimit& l) {
                 return Entries{{.name = "start_s", .number = &l.start},

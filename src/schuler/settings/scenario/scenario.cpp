@@ -120,10 +120,9 @@ void add_receivers(Table& table) {
         .add(number<S>("baro.bias_walk_m", 1.0, 0, 1e3, "random walk of the height error", baro(&sim::BaroSettings::bias_walk)))
         .add(flag<S>("baro.pressure", "the log has static pressures, which are converted to heights of the standard atmosphere",
                      [](auto& s) -> auto& { return s.sim.baro.pressure; }))
-        .add(number<S>("baro.sea_level_pressure_pa", 1.0, 8e4, 1.2e5, "pressure: pressure at sea level",
+        .add(number<S>("baro.sea_level_pressure_pa", 1.0, 8e4, 1.2e5, "pressure at sea level",
                        baro(&sim::BaroSettings::sea_level_pressure)))
-        .add(number<S>("baro.temperature_offset_k", 1.0, -60, 60,
-                       "pressure: deviation of the temperature from the standard atmosphere",
+        .add(number<S>("baro.temperature_offset_k", 1.0, -60, 60, "deviation of the temperature from the standard atmosphere",
                        baro(&sim::BaroSettings::temperature_offset)))
         .add(number<S>("mag.rate_hz", 1.0, 0, 1000, "rate of the magnetometer; 0 = none", mag(&M::rate)))
         .add(number<S>("mag.field_ut", 1e-6, 1, 1000, "strength of the Earth's field", mag(&M::field)))
@@ -218,7 +217,7 @@ Table make_table() {
     add_survey_options(table);
     add_imu(table);
     add_receivers(table);
-    add_aid_scenario_options(table);
+    add_instrument_scenario_options(table);
     add_ranging_scenario_options(table);
     add_receiver_scenario_options(table);
     table.add(outage_option()).add(fault_option());
@@ -233,6 +232,9 @@ Table make_table() {
                       "length in _m or _s"),
          [](S& s, const Value& v) { s.sim.anomaly = anomalies_from(*v.list()); },
          [](const S& s) { return value_of(s.sim.anomaly); }});
+    table.edit_specs([](OptionSpec& spec) {
+        if (const std::string_view condition = condition_in_scenario(spec.key); !condition.empty()) spec.applies = condition;
+    });
     return table;
 }
 

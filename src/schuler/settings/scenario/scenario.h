@@ -6,7 +6,7 @@
 #include "schuler/settings/option_table.h"
 #include "schuler/settings/scenario/comparison.h"
 #include "schuler/settings/scenario/published.h"
-#include "schuler/sim/aids.h"
+#include "schuler/sim/instruments.h"
 #include "schuler/sim/ranging.h"
 #include "schuler/sim/signals.h"
 #include "schuler/sim/simulate.h"
@@ -123,7 +123,7 @@ struct ScenarioConfig {
     sim::SurveyPattern survey;
     SurveyGround survey_ground;
     AnomalyFieldConfig field;
-    sim::AidErrors aids;
+    sim::InstrumentErrors instruments;
     RangingScenarioConfig ranging;
     ReceiverScenarioConfig receiver_channels;
     sim::RecordedPath recorded;    ///< smoothing of a recording

@@ -17,13 +17,17 @@ void add_survey_options(OptionTable<ScenarioConfig>& table);
 [[nodiscard]] sim::GroundField field_of(const ScenarioConfig& scenario);
 
 /// "gauges.*", "log.*" and "compass.*".
-void add_aid_scenario_options(OptionTable<ScenarioConfig>& table);
+void add_instrument_scenario_options(OptionTable<ScenarioConfig>& table);
 
 /// The path defined by the settings. @throws Error(Input) with the key.
 [[nodiscard]] sim::PathSettings path_of(const ScenarioConfig& scenario);
 /// Lowest height (m) of such a path if not set by the scenario.
 [[nodiscard]] double ground_of(const ScenarioConfig& scenario);
 [[nodiscard]] fusion::VehicleKind vehicle_of(TrajectoryType type);
+
+/// The condition for an option of [trajectory] to have an effect, "trajectory.type: car, waypoints"; empty: always. Forms show the options of
+/// the kind that is chosen by it.
+[[nodiscard]] std::string_view condition_in_scenario(std::string_view key);
 
 /// "compare.*": the comparison made by `run`.
 void add_compare_options(OptionTable<ScenarioConfig>& table);

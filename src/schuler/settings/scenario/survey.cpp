@@ -29,16 +29,15 @@ void add_survey_options(OptionTable<S>& table) {
     const auto drape = [](double SurveyGround::*field) { return [=](auto& s) -> auto& { return s.survey_ground.*field; }; };
     using G = SurveyGround;
     table
-        .add(integer<S>("trajectory.survey.lines", 1, 1000, "survey: number of parallel lines, flown back and forth",
-                        pattern(&P::lines)))
-        .add(integer<S>("trajectory.survey.ties", 0, 1000, "survey: number of tie lines across them", pattern(&P::ties)))
-        .add(number<S>("trajectory.survey.length_m", 1.0, 1, 1e6, "survey: length of a line", pattern(&P::length)))
-        .add(number<S>("trajectory.survey.spacing_m", 1.0, 1, 1e6, "survey: distance between lines", pattern(&P::spacing)))
-        .add(number<S>("trajectory.survey.overrun_m", 1.0, 0, 1e5, "survey: straight lead-in and run-out of every line",
+        .add(integer<S>("trajectory.survey.lines", 1, 1000, "number of parallel lines, flown back and forth", pattern(&P::lines)))
+        .add(integer<S>("trajectory.survey.ties", 0, 1000, "number of tie lines across them", pattern(&P::ties)))
+        .add(number<S>("trajectory.survey.length_m", 1.0, 1, 1e6, "length of a line", pattern(&P::length)))
+        .add(number<S>("trajectory.survey.spacing_m", 1.0, 1, 1e6, "distance between lines", pattern(&P::spacing)))
+        .add(number<S>("trajectory.survey.overrun_m", 1.0, 0, 1e5, "straight lead-in and run-out of every line",
                        pattern(&P::overrun)))
-        .add(number<S>("trajectory.survey.bank_deg", units::deg, 1, 60, "survey: largest bank in turns", pattern(&P::bank)))
-        .add(number<S>("trajectory.drape.clearance_m", 1.0, -1e4, 1e5,
-                       "survey, waypoints: height over the ground instead of that of the start", drape(&G::clearance)))
+        .add(number<S>("trajectory.survey.bank_deg", units::deg, 1, 60, "largest bank in turns", pattern(&P::bank)))
+        .add(number<S>("trajectory.drape.clearance_m", 1.0, -1e4, 1e5, "height over the ground instead of that of the start",
+                       drape(&G::clearance)))
         .add(number<S>("trajectory.drape.climb_deg", units::deg, 0.01, 45, "steepest climb and descent over the ground",
                        drape(&G::climb)))
         .add(number<S>("trajectory.drape.smoothing_m", 1.0, 0, 1e5,

@@ -51,17 +51,17 @@ void add_paper_a(Table& table) {
             return [=](auto& s) -> auto& { return (s.paper_a.*field).*part; };
         };
         table
-            .add(number<S>("trajectory." + r.name + r.rate, 1.0, -1e3, 1e3, "paper_a: constant rate of the " + r.quantity,
+            .add(number<S>("trajectory." + r.name + r.rate, 1.0, -1e3, 1e3, "constant rate of the " + r.quantity,
                            access(&sim::Oscillation::rate)))
             .add(number<S>("trajectory." + r.name + r.amplitude, 1.0, -1e5, 1e5,
-                           "paper_a: amplitude of the oscillation of the " + r.quantity, access(&sim::Oscillation::amplitude)))
-            .add(number<S>("trajectory." + r.name + "_phase_deg", deg, -360, 360,
-                           "paper_a: phase of the oscillation of the " + r.quantity, access(&sim::Oscillation::phase)));
+                           "amplitude of the oscillation of the " + r.quantity, access(&sim::Oscillation::amplitude)))
+            .add(number<S>("trajectory." + r.name + "_phase_deg", deg, -360, 360, "phase of the oscillation of the " + r.quantity,
+                           access(&sim::Oscillation::phase)));
     }
     table
-        .add(vector3<S>("trajectory.period_s", 1.0, 0.1, 1e7, "paper_a: periods of latitude, longitude, height",
+        .add(vector3<S>("trajectory.period_s", 1.0, 0.1, 1e7, "periods of latitude, longitude, height",
                         [](auto& s) -> auto& { return s.periods; }))
-        .add(number<S>("trajectory.roll_per_accel", 1.0, -1, 1, "paper_a: roll per lateral acceleration, K of (4.2.5)",
+        .add(number<S>("trajectory.roll_per_accel", 1.0, -1, 1, "roll per lateral acceleration, K of (4.2.5)",
                        [](auto& s) -> auto& { return s.paper_a.roll_per_accel; }));
 }
 
@@ -87,8 +87,7 @@ sim::Waypoint waypoint_of(const Value& v) {
 
 Option<S> waypoints_option() {
     return special<S>(
-        "trajectory.waypoints", "[ { north_m, east_m, up_m, speed_m_s, stop_s }, ... ]",
-        "waypoints: corners in metres from the start",
+        "trajectory.waypoints", "[ { north_m, east_m, up_m, speed_m_s, stop_s }, ... ]", "corners in metres from the start",
         [](S& s, const Value& v) {
             s.route.waypoints.clear();
             if (v.list() == nullptr)
@@ -112,7 +111,7 @@ Option<S> waypoints_option() {
 
 Option<S> moves_option() {
     return special<S>(
-        "trajectory.moves", "[ { roll_deg, pitch_deg, heading_deg, duration_s, dwell_s }, ... ]", "table: sequence of turns",
+        "trajectory.moves", "[ { roll_deg, pitch_deg, heading_deg, duration_s, dwell_s }, ... ]", "sequence of turns",
         [](S& s, const Value& v) {
             const auto bad = [](const std::string& what) {
                 return input_error(what, {}, "write moves = [ { heading_deg = 90, duration_s = 10, dwell_s = 60 }, ... ]");
@@ -140,20 +139,17 @@ Option<S> moves_option() {
 
 void add_motions(Table& table) {
     table.add(moves_option())
-        .add(text<S>("trajectory.file", "file: a trajectory: reference.csv, a solution, ten columns; relative to the scenario",
+        .add(text<S>("trajectory.file", "a trajectory: reference.csv, a solution, ten columns; relative to the scenario",
                      [](auto& s) -> auto& { return s.file; }))
-        .add(number<S>("trajectory.smoothing_s", 1.0, 1e-3, 100, "file: interval of the points that are kept",
+        .add(number<S>("trajectory.smoothing_s", 1.0, 1e-3, 100, "interval of the points that are kept",
                        [](auto& s) -> auto& { return s.recorded.spacing; }))
-        .add(number<S>("trajectory.height_change_m", 1.0, 1, 2e4, "takeoff, approach: height climbed or descended",
+        .add(number<S>("trajectory.height_change_m", 1.0, 1, 2e4, "height climbed or descended",
                        [](auto& s) -> auto& { return s.phase.height_change; }))
-        .add(number<S>("trajectory.length_m", 1.0, 1, 1e6, "figure8: long axis",
-                       [](auto& s) -> auto& { return s.figure8.length; }))
-        .add(
-            number<S>("trajectory.width_m", 1.0, 1, 1e6, "figure8: short axis", [](auto& s) -> auto& { return s.figure8.width; }))
-        .add(number<S>("trajectory.loop_height_m", 1.0, 0, 1e4,
-                       "figure8: height of one loop above and of the other below the start",
+        .add(number<S>("trajectory.length_m", 1.0, 1, 1e6, "long axis", [](auto& s) -> auto& { return s.figure8.length; }))
+        .add(number<S>("trajectory.width_m", 1.0, 1, 1e6, "short axis", [](auto& s) -> auto& { return s.figure8.width; }))
+        .add(number<S>("trajectory.loop_height_m", 1.0, 0, 1e4, "height of one loop above and of the other below the start",
                        [](auto& s) -> auto& { return s.figure8.height_amplitude; }))
-        .add(number<S>("trajectory.figure_s", 1.0, 1, 1e5, "figure8: time of one figure",
+        .add(number<S>("trajectory.figure_s", 1.0, 1, 1e5, "time of one figure",
                        [](auto& s) -> auto& { return s.figure8.period; }));
     const struct {
         const char* name;
@@ -169,11 +165,8 @@ void add_motions(Table& table) {
         const auto part = [wave = w.wave](double sim::Wave::*field) {
             return [=](auto& s) -> auto& { return s.ship.*wave.*field; };
         };
-        table
-            .add(number<S>(key + w.unit, w.factor, 0, 60, fmt::format("ship: amplitude of {}", w.name),
-                           part(&sim::Wave::amplitude)))
-            .add(
-                number<S>(key + "_period_s", 1.0, 0.1, 1e4, fmt::format("ship: period of {}", w.name), part(&sim::Wave::period)));
+        table.add(number<S>(key + w.unit, w.factor, 0, 60, fmt::format("amplitude of {}", w.name), part(&sim::Wave::amplitude)))
+            .add(number<S>(key + "_period_s", 1.0, 0.1, 1e4, fmt::format("period of {}", w.name), part(&sim::Wave::period)));
     }
 }
 
@@ -203,13 +196,11 @@ void add_trajectory_options(Table& table) {
                                         [](auto& s) -> auto& { return s.type; }));
     add_start(table);
     table
-        .add(vector3<S>("trajectory.attitude_deg", deg, -360, 360, "static, table: roll, pitch, heading",
+        .add(vector3<S>("trajectory.attitude_deg", deg, -360, 360, "roll, pitch, heading",
                         [](auto& s) -> auto& { return s.attitude; }))
-        .add(number<S>("trajectory.heading_deg", deg, -360, 360,
-                       "great_circle, flights, figure8, ship, survey: heading at the start",
+        .add(number<S>("trajectory.heading_deg", deg, -360, 360, "heading at the start",
                        [](auto& s) -> auto& { return s.heading; }))
-        .add(number<S>("trajectory.speed_m_s", 1.0, 0, 1e4,
-                       "great_circle, flights, ship, survey: speed; default: 200, 130, 6, 60",
+        .add(number<S>("trajectory.speed_m_s", 1.0, 0, 1e4, "speed; default: 200, 130, 6, 60",
                        [](auto& s) -> auto& { return s.speed; }))
         .add(number<S>("trajectory.ground_height_m", 1.0, -1e4, 1e5,
                        "lowest height of a path; default: 0 for aircraft, the start of a take-off, -500 otherwise",
@@ -221,29 +212,27 @@ void add_trajectory_options(Table& table) {
         return [=](auto& s) -> auto& { return s.route.vibration.*field; };
     };
     using R = sim::RoutePath;
-    Option<S> standstill =
-        number<S>("trajectory.standstill_s", 1.0, 0, 1e6,
-                  "car, waypoints, survey: time at rest before the start; default: 30, 30, 0", route(&R::standstill));
+    Option<S> standstill = number<S>("trajectory.standstill_s", 1.0, 0, 1e6, "time at rest before the start; default: 30, 30, 0",
+                                     route(&R::standstill));
     standstill.set = [set = standstill.set](S& s, const Value& v) {
         set(s, v);
         s.standstill_given = true;
     };
     table.add(waypoints_option())
         .add(std::move(standstill))
-        .add(number<S>("trajectory.start_speed_m_s", 1.0, 0, 1e3, "waypoints: initial speed", route(&R::start_speed)))
+        .add(number<S>("trajectory.start_speed_m_s", 1.0, 0, 1e3, "initial speed", route(&R::start_speed)))
         .add(number<S>("trajectory.knot_spacing_m", 1.0, 0.5, 1e4,
-                       "car, waypoints: length over which bends and climbs are smoothed; aircraft: 50", route(&R::knot_spacing)))
-        .add(number<S>("trajectory.corner_radius_m", 1.0, 0.1, 1e6, "car, waypoints: radius of the corners",
-                       route(&R::corner_radius)))
-        .add(number<S>("trajectory.lateral_accel_m_s2", 1.0, 0.01, 1000,
-                       "car, waypoints: largest lateral acceleration in corners", route(&R::lateral_accel)))
-        .add(number<S>("trajectory.longitudinal_accel_m_s2", 1.0, 0.01, 100,
-                       "car, waypoints: largest acceleration and deceleration", route(&R::longitudinal_accel)))
-        .add(number<S>("trajectory.roll_per_lateral_accel", 1.0, -1, 1, "car, waypoints: roll per lateral acceleration",
+                       "length over which bends and climbs are smoothed; aircraft: 50", route(&R::knot_spacing)))
+        .add(number<S>("trajectory.corner_radius_m", 1.0, 0.1, 1e6, "radius of the corners", route(&R::corner_radius)))
+        .add(number<S>("trajectory.lateral_accel_m_s2", 1.0, 0.01, 1000, "largest lateral acceleration in corners",
+                       route(&R::lateral_accel)))
+        .add(number<S>("trajectory.longitudinal_accel_m_s2", 1.0, 0.01, 100, "largest acceleration and deceleration",
+                       route(&R::longitudinal_accel)))
+        .add(number<S>("trajectory.roll_per_lateral_accel", 1.0, -1, 1, "roll per lateral acceleration",
                        route(&R::roll_per_lateral_accel)))
-        .add(number<S>("trajectory.pitch_per_accel", 1.0, -1, 1, "car, waypoints: pitch per longitudinal acceleration",
+        .add(number<S>("trajectory.pitch_per_accel", 1.0, -1, 1, "pitch per longitudinal acceleration",
                        route(&R::pitch_per_accel)))
-        .add(number<S>("trajectory.vibration.frequency_hz", 1.0, 0.01, 1e4, "car, waypoints: frequency of the suspension",
+        .add(number<S>("trajectory.vibration.frequency_hz", 1.0, 0.01, 1e4, "frequency of the suspension",
                        vibration(&sim::Vibration::frequency)))
         .add(number<S>("trajectory.vibration.angle_deg", deg, 0, 20, "amplitude of roll and pitch of the suspension",
                        vibration(&sim::Vibration::angle)))
@@ -282,7 +271,7 @@ sim::RecordedPath recorded_path(const ScenarioConfig& s) {
     const auto bad = [](std::string what, const char* key, const char* hint) {
         return input_error(std::move(what), {.file = {}, .line = 0, .column = 0, .key = key}, hint);
     };
-    if (s.file.empty()) throw bad("no trajectory to fly again", "trajectory.file", "name it: file = \"reference.csv\"");
+    if (s.file.empty()) throw bad("no trajectory to replay", "trajectory.file", "name it: file = \"reference.csv\"");
     WarningLog unheard;
     const std::filesystem::path file(s.file);
     const std::vector<SolutionRow> rows = dataset::read_trajectory(file.is_absolute() ? file : s.folder / file, unheard).rows;

@@ -16,8 +16,8 @@ namespace {
 
 using Eigen::Vector3d;
 using Eigen::VectorXd;
-using filter::AidKind;
 using filter::Layout;
+using filter::MeasurementKind;
 using Frame = filter::GeographicFrame;
 using Filter = filter::InertialFilter<Frame>;
 using FilterRun = filter::FilterRun<Frame>;
@@ -32,7 +32,7 @@ struct ErrorSource {
     VectorXd variance, decay, psd;                                            ///< of each process, initial; 1/s; unit^2/s
     Eigen::Matrix<double, 9, 9> start = Eigen::Matrix<double, 9, 9>::Zero();  ///< of the first nine errors
     double gyro_psd = 0.0, accel_psd = 0.0;
-    std::optional<AidKind> slow;  ///< the processes are errors of this measurement
+    std::optional<MeasurementKind> slow;  ///< the processes are errors of this measurement
     Vector3d white_position = Vector3d::Zero(), white_velocity = Vector3d::Zero();
     double white_baro = 0.0;
     bool decays_with_speed = false;
@@ -52,11 +52,11 @@ struct ErrorSource {
     void markov(const VectorXd& sigma, double time) {
         processes(sigma, VectorXd::Constant(sigma.size(), 1.0 / time), 2.0 / time * sigma.array().square());
     }
-    [[nodiscard]] double white(AidKind kind, Eigen::Index axis) const {
-        const double sigma = kind == AidKind::GnssPosition   ? white_position(axis)
-                             : kind == AidKind::GnssVelocity ? white_velocity(axis)
-                             : kind == AidKind::Baro         ? white_baro
-                                                             : 0.0;
+    [[nodiscard]] double white(MeasurementKind kind, Eigen::Index axis) const {
+        const double sigma = kind == MeasurementKind::GnssPosition   ? white_position(axis)
+                             : kind == MeasurementKind::GnssVelocity ? white_velocity(axis)
+                             : kind == MeasurementKind::Baro         ? white_baro
+                                                                     : 0.0;
         return sigma * sigma;
     }
 };
@@ -120,11 +120,11 @@ std::vector<ErrorSource> sources_of(const settings::ScenarioConfig& s, bool fixe
         const sensor::GnssErrorModel& g = s.sim.gnss.errors;
         ErrorSource& position = add("gnss_position", "receiver, slow position");
         position.markov(g.correlated_position, g.correlated_time);
-        position.slow = AidKind::GnssPosition;
+        position.slow = MeasurementKind::GnssPosition;
         position.decays_with_speed = g.correlated_distance > 0.0;
         ErrorSource& velocity = add("gnss_velocity", "receiver, slow velocity");
         velocity.markov(g.correlated_velocity, g.correlated_velocity_time);
-        velocity.slow = AidKind::GnssVelocity;
+        velocity.slow = MeasurementKind::GnssVelocity;
     }
     if (s.sim.baro.rate > 0.0) {
         const sim::BaroSettings& b = s.sim.baro;
@@ -135,7 +135,7 @@ std::vector<ErrorSource> sources_of(const settings::ScenarioConfig& s, bool fixe
         } else {
             baro.processes(sigma, VectorXd::Zero(1), VectorXd::Constant(1, b.bias_walk * b.bias_walk));
         }
-        baro.slow = AidKind::Baro;
+        baro.slow = MeasurementKind::Baro;
         baro.white_baro = b.white;
     }
     return out;
@@ -223,14 +223,14 @@ public:
         pending_.clear();
     }
     void corrected() override { throw unfollowed("the corrections of this coupling are not updates of a Kalman filter"); }
-    void aid(const filter::AidRecord& record) override {
+    void measurement(const filter::MeasurementRecord& record) override {
         settle();
         for (const estim::RowUpdate& u : pending_) update(record.kind, u);
         pending_.clear();
     }
     void output(const FilterRun& run, Time time) override { out_.rows.push_back(row_at(run, time)); }
     void outage_epoch(const FilterRun& run, const filter::Event& event, const filter::Measurement&,
-                      const filter::AidRecord&) override {
+                      const filter::MeasurementRecord&) override {
         if (event.outage_end) out_.outage_ends.push_back(row_at(run, event.stamp));
     }
 
@@ -270,14 +270,14 @@ private:
         if (ranges_) row.sources.push_back(ranges_->variances());
         return row;
     }
-    void update(AidKind kind, const estim::RowUpdate& u) {
-        const bool velocity = kind == AidKind::GnssVelocity;
+    void update(MeasurementKind kind, const estim::RowUpdate& u) {
+        const bool velocity = kind == MeasurementKind::GnssVelocity;
         Eigen::Index axis = 0;
-        if (kind == AidKind::GnssPosition || velocity) u.h.head.segment<3>(velocity ? 3 : 0).cwiseAbs().maxCoeff(&axis);
-        const int state = kind == AidKind::GnssPosition ? model_.layout.gnss_position
-                          : velocity                    ? model_.layout.gnss_velocity
-                          : kind == AidKind::Baro       ? model_.layout.baro_bias
-                                                        : -1;
+        if (kind == MeasurementKind::GnssPosition || velocity) u.h.head.segment<3>(velocity ? 3 : 0).cwiseAbs().maxCoeff(&axis);
+        const int state = kind == MeasurementKind::GnssPosition ? model_.layout.gnss_position
+                          : velocity                            ? model_.layout.gnss_velocity
+                          : kind == MeasurementKind::Baro       ? model_.layout.baro_bias
+                                                                : -1;
         double seen = -1.0;  // the innovation is estimate minus measured
         if (state >= 0 && u.h(state + static_cast<int>(axis)) != 0.0) seen = -u.h(state + static_cast<int>(axis));
         for (std::size_t k = 0; k < sources_.size(); ++k) {

@@ -132,7 +132,7 @@ report::Outcome analyze_path_observability(const ObservabilityRequest& r) {
     report::Outcome out;
     if (p.refused > 0)
         out.warnings.push_back(fmt::format(
-            "{} measurements were refused: the path is too lively for {:.4g} Hz; give a higher --rate", p.refused, r.rate));
+            "{} measurements were refused: the dynamics are too high for {:.4g} Hz; give a higher --rate", p.refused, r.rate));
     if (!p.scheme.empty())
         out.warnings.push_back(
             fmt::format("the analysis is that of the {} scheme, a Kalman filter with the same measurements", p.scheme));

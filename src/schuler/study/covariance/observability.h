@@ -5,7 +5,7 @@
 
 namespace schuler::study {
 
-/// What the measurements along the path tell about each state and about combinations of states, and during which manoeuvre.
+/// Information of the measurements along the path about each state and about combinations of states, and during which manoeuvre.
 /// @throws Error(Input) for an option of gravimetry, with it as key
 [[nodiscard]] report::Outcome analyze_path_observability(const ObservabilityRequest& request);
 

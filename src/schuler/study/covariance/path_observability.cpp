@@ -57,7 +57,9 @@ public:
         throw unfollowed("phases of carriers are among its measurements");
     }
     void corrected() override { throw unfollowed("the corrections of this coupling are not updates of a Kalman filter"); }
-    void aid(const filter::AidRecord& record) override { refused += record.status == filter::AidStatus::Rejected ? 1 : 0; }
+    void measurement(const filter::MeasurementRecord& record) override {
+        refused += record.status == filter::MeasurementStatus::Rejected ? 1 : 0;
+    }
     void output(const FilterRun& run, Time time) override {
         history.push_back({time, errors.covariance()});
         last = run.filter.P.diagonal().cast<double>();

@@ -48,7 +48,7 @@ struct PathObservability {
     std::size_t refused = 0;             ///< measurements: the rate of the inertial unit is too low for the path
 };
 
-/// Flies the scenario without errors through the filter that assumes them, and follows what each measurement tells about the initial
+/// Flies the scenario without errors through the filter that assumes them, and follows the information of each measurement about the initial
 /// errors. Observability is a property of motion, states and measurements: schemes without the gains of a Kalman filter are replaced by
 /// the loose or the tight one, which takes the same measurements. Slots of satellites are not among the states. @throws Error
 [[nodiscard]] PathObservability path_observability(const settings::ScenarioConfig& scenario, const settings::SettingList& over,

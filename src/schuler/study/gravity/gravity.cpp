@@ -207,20 +207,20 @@ void estimate(GravityBundle& b, const std::set<std::string>& asked, const settin
     n.imu_epochs = input.data.imu.increments.size() - input.start.increment;
     n.imu_gaps = input.data.imu.gaps;
     n.imu_rate = 1.0 / input.data.imu.median_dt;
-    for (const fusion::AidRecord& r : b.survey.aids) {
-        if (r.kind != fusion::AidKind::GnssPosition) continue;
+    for (const fusion::MeasurementRecord& r : b.survey.measurements) {
+        if (r.kind != fusion::MeasurementKind::GnssPosition) continue;
         ++n.gnss_epochs;
-        ++(r.status == fusion::AidStatus::Accepted   ? n.gnss_accepted
-           : r.status == fusion::AidStatus::Withheld ? n.gnss_withheld
-                                                     : n.gnss_rejected);
+        ++(r.status == fusion::MeasurementStatus::Accepted   ? n.gnss_accepted
+           : r.status == fusion::MeasurementStatus::Withheld ? n.gnss_withheld
+                                                             : n.gnss_rejected);
     }
-    b.run.result.aids = b.survey.aids;
+    b.run.result.measurements = b.survey.measurements;
     b.run.result.findings.aligned_at = b.survey.forward.front().time;
     b.run.evaluation = solution::evaluate(b.run.data, b.run.result, b.run.truth);
     if (!b.run.truth.sensors.empty()) b.truth = truth_at(b.survey.forward, b.run.truth.sensors);
     b.errors = errors_of(b);
     b.innovations = innovations_of(b);
-    b.biased = gravimetry::most_biased_run(b.survey.aids, b.run.evaluation.settled);
+    b.biased = gravimetry::most_biased_run(b.survey.measurements, b.run.evaluation.settled);
     b.separation = separation_of(b);
     b.attainable = attainability(input, b.survey.forward, c.gravity);
     b.changes = gravity_changes(b, input);

@@ -147,7 +147,7 @@ struct GravityRow {
 /// At the steps of the input. @throws Error
 [[nodiscard]] std::vector<GravityChange> gravity_changes(const GravityBundle& bundle, const GravityInput& input);
 [[nodiscard]] GravityVerdict gravity_verdict(const GravityBundle& bundle);
-/// What the most biased stretch of innovations says about the model.
+/// Judgement of the model by the most biased stretch of innovations.
 [[nodiscard]] std::string dependence_of_innovations(const GravityBundle& bundle);
 /// The classical pipeline for the same input.
 [[nodiscard]] ClassicalGravity classical_gravity(const GravityBundle& bundle, const GravityInput& input);

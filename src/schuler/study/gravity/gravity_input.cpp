@@ -152,11 +152,11 @@ gravimetry::VerticalMotion motion_of(const GravityInput& in) {
     for (const fusion::Event& e : in.data.events) {
         if (e.withheld || e.valid < from || e.valid > to) continue;
         const fusion::FixNoise& noise = in.data.fix_noise[e.index];
-        if (e.kind == fusion::AidKind::GnssVelocity && (e.components & 4) != 0) {
+        if (e.kind == fusion::MeasurementKind::GnssVelocity && (e.components & 4) != 0) {
             m.sigma_velocity += noise.white_velocity.z();
             moving += 1.0;
         }
-        if (e.kind != fusion::AidKind::GnssPosition || (e.components & 3) != 3) continue;
+        if (e.kind != fusion::MeasurementKind::GnssPosition || (e.components & 3) != 3) continue;
         const GnssFix& fix = in.recording->gnss[e.index];
         m.sigma_position += noise.white_position.z();
         n += 1.0;

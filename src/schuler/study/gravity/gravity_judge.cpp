@@ -23,12 +23,12 @@ constexpr double most_sigmas = 5.0;      ///< sigmas, if the truth is known
 /// Fraction of positions refused after settling.
 double refused_share(const GravityBundle& b) {
     double refused = 0.0, all = 0.0;
-    for (const filter::AidRecord& r : b.survey.aids) {
-        if (r.kind != filter::AidKind::GnssPosition || r.stamp < b.run.evaluation.settled ||
-            r.status == filter::AidStatus::Withheld)
+    for (const filter::MeasurementRecord& r : b.survey.measurements) {
+        if (r.kind != filter::MeasurementKind::GnssPosition || r.stamp < b.run.evaluation.settled ||
+            r.status == filter::MeasurementStatus::Withheld)
             continue;
         all += 1.0;
-        refused += r.status == filter::AidStatus::Rejected ? 1.0 : 0.0;
+        refused += r.status == filter::MeasurementStatus::Rejected ? 1.0 : 0.0;
     }
     return all > 0.0 ? refused / all : 0.0;
 }
@@ -38,7 +38,7 @@ double refused_share(const GravityBundle& b) {
 std::string dependence_of_innovations(const GravityBundle& b) {
     const gravimetry::InnovationRun& r = b.biased;
     const std::string channel = fmt::format("{} {}", std::array{"north", "east", "vertical"}[static_cast<std::size_t>(r.axis)],
-                                            r.kind == filter::AidKind::GnssPosition ? "position" : "velocity");
+                                            r.kind == filter::MeasurementKind::GnssPosition ? "position" : "velocity");
     if (r.throughout)
         return fmt::format(
             "the innovations of the {} are not independent, their means over {:.0f} s scatter by {:.2g} of their sigma: the "
@@ -64,7 +64,7 @@ GravityVerdict gravity_verdict(const GravityBundle& b) {
         refuse(fmt::format("the fixes deviate by more than the filter predicts (NIS {:.3g} a degree of freedom, 1 expected)",
                            b.innovations.nis));
     // The gate itself refuses its share of good fixes, more than the default of 1e-4 if the user wants it so.
-    const double by_gate = 3.0 * b.run.data.config.filter.aids.gate_probability;
+    const double by_gate = 3.0 * b.run.data.config.filter.constraints.gate_probability;
     if (const double share = refused_share(b); share > std::max(largest_refused, by_gate))
         refuse(fmt::format("{:.2g} % of the fixes were refused: the errors have left what a linear model of them can follow{}",
                            100.0 * share,

@@ -75,7 +75,7 @@ void fill(MonteCarloRun& run, const settings::ScenarioConfig& scenario, const se
     std::ranges::copy_if(e.errors, std::back_inserter(settled), [&](const auto& row) { return row.time >= e.settled; });
     run.errors = sparse(settled);
     run.states = one_a_step(e.states, run.origin, step);
-    run.aids = std::move(e.aids);
+    run.measurements = std::move(e.measurements);
     run.outages = std::move(e.outages);
 }
 

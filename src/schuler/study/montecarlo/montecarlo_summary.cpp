@@ -29,19 +29,19 @@ PooledError pooled(const CampaignStatistics& s, std::size_t field) {
     return {{std::sqrt(f.square.value() / static_cast<double>(f.epochs)), f.size.quantile(0.95), f.largest}, f.runs.quantiles()};
 }
 
-struct PooledAid {
+struct PooledMeasurement {
     std::string name;
     double nis = 0.0, dof = 0.0, lag1 = 0.0;
     std::size_t accepted = 0, rejected = 0;
     analysis::Bounds bounds{};
 };
 
-std::vector<PooledAid> pooled_aids(const CampaignStatistics& s) {
-    std::vector<PooledAid> out;
-    for (const auto& [name, a] : s.aids) {
+std::vector<PooledMeasurement> pooled_measurements(const CampaignStatistics& s) {
+    std::vector<PooledMeasurement> out;
+    for (const auto& [name, a] : s.measurements) {
         const auto n = static_cast<double>(a.accepted);
-        PooledAid& p = out.emplace_back(
-            PooledAid{name, a.nis.value() / n, a.dof.value() / n, a.lag1.value() / n, a.accepted, a.rejected, {}});
+        PooledMeasurement& p = out.emplace_back(
+            PooledMeasurement{name, a.nis.value() / n, a.dof.value() / n, a.lag1.value() / n, a.accepted, a.rejected, {}});
         if (a.accepted > 0) p.bounds = analysis::mean_bounds(p.dof, n);
     }
     return out;
@@ -137,7 +137,7 @@ report::Json consistency_of(const CampaignStatistics& s) {
     }
     report::Json nis;
     for (const char* name : {"gnss_position", "gnss_velocity", "baro", "pseudorange", "range_rate", "mag"}) nis[name] = nullptr;
-    for (const PooledAid& a : pooled_aids(s)) {
+    for (const PooledMeasurement& a : pooled_measurements(s)) {
         nis[a.name] = {{"mean", report::json_number(a.nis)},
                        {"dof", report::json_number(a.dof)},
                        {"accepted", a.accepted},
@@ -273,7 +273,7 @@ std::string consistency_table(const CampaignStatistics& s) {
         const analysis::EnsembleConsistency c = s.consistency(b);
         add("NEES " + in_words(name.name), c.mean, c.expected, c.low95, c.high95, {c.inside, {}, {}});
     }
-    for (const PooledAid& a : pooled_aids(s))
+    for (const PooledMeasurement& a : pooled_measurements(s))
         add("NIS " + in_words(a.name), a.nis, a.dof, a.bounds.low95, a.bounds.high95,
             {Cell{}, fmt::format("{} of {}", a.rejected, a.accepted + a.rejected), a.lag1});
     return report::table_text(table);

@@ -1,4 +1,4 @@
-// Warnings of many runs, each told once.
+// Warnings of many runs, each reported once.
 #pragma once
 
 #include "schuler/core/log.h"

@@ -87,9 +87,9 @@ void add_states(CampaignStatistics& s, const MonteCarloRun& run) {
     }
 }
 
-void add_aids(CampaignStatistics& s, const MonteCarloRun& run) {
-    for (const solution::AidConsistency& a : run.aids) {
-        AidStatistics& to = s.aids[std::string(a.name)];
+void add_measurements(CampaignStatistics& s, const MonteCarloRun& run) {
+    for (const solution::MeasurementConsistency& a : run.measurements) {
+        MeasurementStatistics& to = s.measurements[std::string(a.name)];
         to.rejected += a.nis.rejected;
         if (a.nis.accepted == 0) continue;
         const auto n = static_cast<double>(a.nis.accepted);
@@ -216,7 +216,7 @@ void CampaignStatistics::add(const MonteCarloRun& run) {
         for (const ErrorRow& row : run.errors) to.size.add(std::abs(f.of_row(row) / f.si));
     }
     add_states(*this, run);
-    add_aids(*this, run);
+    add_measurements(*this, run);
     add_outages(*this, run);
     warnings.add(run.run, run.seed, run.warnings);
 }
@@ -245,8 +245,8 @@ void CampaignStatistics::merge(const CampaignStatistics& other) {
         nees[b].epochs += other.nees[b].epochs;
     }
     for (const auto& [key, epoch] : other.epochs) merge_epoch(epochs[key], epoch);
-    for (const auto& [name, from] : other.aids) {
-        AidStatistics& to = aids[name];
+    for (const auto& [name, from] : other.measurements) {
+        MeasurementStatistics& to = measurements[name];
         to.nis.add(from.nis);
         to.dof.add(from.dof);
         to.lag1.add(from.lag1);

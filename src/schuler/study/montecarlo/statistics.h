@@ -47,7 +47,7 @@ struct MonteCarloRun {
     analysis::ErrorSummary summary;             ///< at every reference epoch
     std::vector<analysis::ErrorRow> errors;     ///< at most a thousand of them, settled
     std::vector<solution::StateErrors> states;  ///< from the start on
-    std::vector<solution::AidConsistency> aids;
+    std::vector<solution::MeasurementConsistency> measurements;
     std::vector<analysis::OutageStatistics> outages;
     WarningLog warnings;
 
@@ -91,7 +91,7 @@ struct Epoch {
     std::array<std::vector<BlockAtEpoch>, solution::state_blocks> block;  ///< one each, or none
 };
 
-struct AidStatistics {
+struct MeasurementStatistics {
     math::ExactSum nis, dof, lag1;
     std::uint64_t accepted = 0, rejected = 0;
 };
@@ -130,7 +130,7 @@ struct CampaignStatistics {
     std::array<std::array<ValueStatistics, 3>, solution::state_blocks> components;  ///< settled, in the unit used in files
     std::array<NeesOfRuns, solution::state_blocks> nees;
     std::map<std::int64_t, Epoch> epochs;
-    std::map<std::string, AidStatistics> aids;
+    std::map<std::string, MeasurementStatistics> measurements;
     std::vector<OutageOfRuns> outages;
     std::map<std::uint64_t, PointStatistics> points;  ///< only with sweeps
     bool swept = false;

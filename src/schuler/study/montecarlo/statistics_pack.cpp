@@ -105,8 +105,8 @@ void epoch(Archive& a, E& e) {
     }
 }
 
-template <class Archive, class Aid>
-void aid(Archive& a, Aid& x) {
+template <class Archive, class Measurement>
+void measurement(Archive& a, Measurement& x) {
     a(x.nis);
     a(x.dof);
     a(x.lag1);
@@ -181,7 +181,7 @@ void whole(Archive& a, Statistics& s) {
         a(n.epochs);
     }
     map<std::int64_t>(a, s.epochs, [](auto& to, auto& x) { epoch(to, x); });
-    map<std::string>(a, s.aids, [](auto& to, auto& x) { aid(to, x); });
+    map<std::string>(a, s.measurements, [](auto& to, auto& x) { measurement(to, x); });
     const std::size_t n = a.size(s.outages, 8);
     if constexpr (!std::is_const_v<Statistics>) s.outages.resize(n);
     for (auto& o : s.outages) outage(a, o);

@@ -25,7 +25,7 @@ struct PaperWork {
 /// Result of an item: numbers by the keys of data/papers.toml, tables and plots.
 struct PaperResult {
     std::vector<std::pair<std::string, double>> numbers{};
-    /// Of numbers of a Monte Carlo item, by the same keys: their scatter for so many runs.
+    /// Of numbers of a Monte Carlo item, by the same keys: their scatter for this number of runs.
     std::vector<std::pair<std::string, double>> standard_errors{};
     std::vector<report::ResultTable> tables{};
     std::vector<report::Panel> panels{};

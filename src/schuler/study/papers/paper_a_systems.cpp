@@ -22,8 +22,8 @@ namespace {
 
 // --- table 1.1.1 ---
 
-constexpr std::array schemes{"separate", "loose-15", "tight", "medium", "deep"};
-enum Coupling : std::size_t { separate, loose, tight, medium, deep };
+constexpr std::array schemes{"separate", "loose-15", "tight", "intermediate", "deep"};
+enum Coupling : std::size_t { separate, loose, tight, intermediate, deep };
 enum Window : std::size_t { lost, jammed };  ///< of examples/paper-a-couplings.toml
 
 /// Root mean square of a number over the runs of a scheme.
@@ -102,13 +102,13 @@ PaperResult table_111(const PaperWork& w) {
                    {"lost loose/separate", window_ratio(loose, separate, lost, largest)},
                    {"lost tight/loose", window_ratio(tight, loose, lost, largest)},
                    {"back loose/separate", window_ratio(loose, separate, lost, back)},
-                   {"back medium/separate", window_ratio(medium, separate, lost, back)},
+                   {"back intermediate/separate", window_ratio(intermediate, separate, lost, back)},
                    {"back deep/separate", window_ratio(deep, separate, lost, back)},
                    {"jammed loose/separate", window_ratio(loose, separate, jammed, largest)},
                    {"jammed tight/loose", window_ratio(tight, loose, jammed, largest)},
-                   {"jammed medium/tight", window_ratio(medium, tight, jammed, largest)},
+                   {"jammed intermediate/tight", window_ratio(intermediate, tight, jammed, largest)},
                    {"jammed deep/tight", window_ratio(deep, tight, jammed, largest)},
-                   {"held medium", in_window(of(medium), jammed, held) - in_window(of(loose), jammed, held)},
+                   {"held intermediate", in_window(of(intermediate), jammed, held) - in_window(of(loose), jammed, held)},
                    {"held deep", in_window(of(deep), jammed, held) - in_window(of(loose), jammed, held)},
                    {"nees above", not_above / judged}, {"nees", consistent / judged},
                    {"states of deep", static_cast<double>(filter::make_layout(deep_filter.data.config.filter, deep_filter.data.recording).without_slots())}};

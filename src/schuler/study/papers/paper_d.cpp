@@ -133,8 +133,9 @@ PaperResult prediction(const PaperWork& w) {
     for (const auto& [name, key] : keys) names.push_back(name);
     const std::vector<PaperCase> cases = run_cases(w, names);
     PaperResult out = result_of(cases);
-    report::ResultTable table{"horizontal error over its prediction, and the standard error of this ratio for so many runs",
-                              {{"case", "case"}, {"ratio", "ratio", "", ".3f"}, {"standard_error", "standard error", "", ".3f"}}};
+    report::ResultTable table{
+        "horizontal error over its prediction, and the standard error of this ratio for this number of runs",
+        {{"case", "case"}, {"ratio", "ratio", "", ".3f"}, {"standard_error", "standard error", "", ".3f"}}};
     for (const PaperCase& c : cases) {
         const double ratio = c.statistics.pooled / c.statistics.predicted;
         const auto key = std::ranges::find(keys, std::string_view(c.which.name), &decltype(keys)::value_type::first);

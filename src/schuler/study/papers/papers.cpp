@@ -72,7 +72,7 @@ report::ResultTable comparison_of(const Made& m) {
         const PrintedValue& v = *r.printed;
         std::string remark = r.agreement == Agreement::Agrees ? "" : v.remark;
         if (r.agreement == Agreement::Agrees && agreement_of(v, r.ours) != Agreement::Agrees)
-            remark = fmt::format("within {:g} standard errors of so many runs", scatter_allowed);
+            remark = fmt::format("within {:g} standard errors of this number of runs", scatter_allowed);
         else if (r.agreement == Agreement::Agrees && v.tolerance && !agrees_exactly(v, r.ours))
             remark = fmt::format("within the {:g} % allowed for seed and reading", 100.0 * *v.tolerance);
         if (r.agreement == Agreement::Misprint || r.agreement == Agreement::Explained)

@@ -107,7 +107,7 @@ fusion::Settings settings_of(const TriadCase& which, const sim::Scenario& s, con
     f.imu.errors = s.imu.errors;
     f.gnss.lever_arm_b = lever_arm_b;
     f.gnss.estimate_std = false;
-    f.aids.zero_velocity = false;
+    f.constraints.zero_velocity = false;
     f.ranging.errors = range_errors_of(which);
     f.ranging.corrections.troposphere = gnss::TroposphereModel::None;
     f.ranging.corrections.ionosphere = gnss::IonosphereModel::None;

@@ -15,7 +15,7 @@ struct VelocityOrder {
     [[nodiscard]] bool operator==(const VelocityOrder&) const = default;
 };
 
-/// What the displacements say about the columns. Misses are means over the intervals of the squared difference relative to the squared
+/// Comparison of the columns with the displacements. Misses are means over the intervals of the squared difference relative to the squared
 /// displacement, at most 1 each.
 struct VelocityColumns {
     int intervals = 0;          ///< of significant horizontal displacement; the rest is void if there are too few

@@ -66,7 +66,7 @@ public:
     }
     /// An integer written in base 16 in ASCII.
     [[nodiscard]] std::uint32_t hex();
-    /// Raw bytes, in ASCII one cell with two digits of base 16 each; empty if there are not so many.
+    /// Raw bytes, in ASCII one cell with two digits of base 16 each; empty if there are fewer.
     [[nodiscard]] std::string bytes(std::size_t size);
     /// A Boolean of four bytes, TRUE or FALSE in ASCII.
     [[nodiscard]] bool flag();

@@ -1,7 +1,7 @@
 // Instants at which the solution is requested, and the solution there.
 #pragma once
 
-#include "schuler/core/aid_samples.h"
+#include "schuler/core/instrument_logs.h"
 #include "schuler/core/nav_state.h"
 #include "schuler/io/text/text_input.h"
 

@@ -15,7 +15,7 @@ struct NamedInstant {
 };
 
 /// Each list is in time order; it is empty if there is no such instrument.
-struct AidLog {
+struct InstrumentLogs {
     std::vector<GaugeSample> gauges;
     std::vector<BodyVelocitySample> velocities;
     std::vector<HeadingSample> headings;

@@ -1,7 +1,7 @@
 // Height gauges, a body-axis velocity log and a compass along a truth path.
 #pragma once
 
-#include "schuler/core/aid_samples.h"
+#include "schuler/core/instrument_logs.h"
 #include "schuler/sim/path.h"
 
 #include <Eigen/Core>
@@ -28,14 +28,14 @@ struct CompassErrors {
     double rate = 0.0;
     double white = 0.01, bias = 0.0;  ///< rad
 };
-struct AidErrors {
+struct InstrumentErrors {
     GaugeErrors gauges;
     LogErrors log;
     CompassErrors compass;
 };
 
 /// The samples from time zero on. @throws Error(Input) that names the invalid setting.
-[[nodiscard]] AidLog simulate_aids(const AidErrors& errors, const earth::Earth& earth, const TruthPath& path, double duration,
-                                   Time origin, std::uint64_t seed);
+[[nodiscard]] InstrumentLogs simulate_instruments(const InstrumentErrors& errors, const earth::Earth& earth,
+                                                  const TruthPath& path, double duration, Time origin, std::uint64_t seed);
 
 }  // namespace schuler::sim

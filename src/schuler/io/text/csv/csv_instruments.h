@@ -1,7 +1,7 @@
 // Instruments with one table each: gauges.csv, log.csv and compass.csv of a survey, odometer.csv, heading.csv.
 #pragma once
 
-#include "schuler/core/aid_samples.h"
+#include "schuler/core/instrument_logs.h"
 #include "schuler/io/text/text_input.h"
 
 #include <string>

@@ -1,4 +1,4 @@
-#include "schuler/sim/aids.h"
+#include "schuler/sim/instruments.h"
 
 #include "schuler/core/error.h"
 #include "schuler/math/random.h"
@@ -19,7 +19,7 @@ using detail::require;
 bool size(double x) { return std::isfinite(x) && x >= 0.0; }
 bool is_rate(double x) { return size(x) && x <= 1000.0; }
 
-void check(const AidErrors& e) {
+void check(const InstrumentErrors& e) {
     require(is_rate(e.gauges.rate), "gauges.rate_hz", "is not a rate", "give Hz, or 0 for none");
     require(size(e.gauges.white) && size(e.gauges.bias), "gauges", "a sigma is negative or not a number", "give metres");
     require(!e.gauges.lever_arms_b.empty() && e.gauges.lever_arms_b.size() <= 3, "gauges.lever_arms_m",
@@ -44,10 +44,10 @@ void at_epochs(double rate_hz, double duration, const TruthPath& path, Sample sa
 
 }  // namespace
 
-AidLog simulate_aids(const AidErrors& e, const earth::Earth& earth, const TruthPath& path, double duration, Time origin,
-                     std::uint64_t seed) {
+InstrumentLogs simulate_instruments(const InstrumentErrors& e, const earth::Earth& earth, const TruthPath& path, double duration,
+                                    Time origin, std::uint64_t seed) {
     check(e);
-    AidLog out;
+    InstrumentLogs out;
     math::Random constant(seed, "aids.constant"), gauge(seed, "aids.gauges"), log(seed, "aids.log"),
         compass(seed, "aids.compass");
     const auto stamp = [origin](double t) { return origin + Duration::from_seconds(t); };

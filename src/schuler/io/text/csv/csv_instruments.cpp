@@ -1,4 +1,4 @@
-#include "schuler/io/text/csv/csv_aids.h"
+#include "schuler/io/text/csv/csv_instruments.h"
 
 #include "schuler/core/units.h"
 #include "schuler/io/text/table.h"

@@ -2,7 +2,7 @@
 #include "gravimetry/prepared_survey.h"
 
 #include "schuler/core/units.h"
-#include "schuler/sim/aids.h"
+#include "schuler/sim/instruments.h"
 
 #include <gtest/gtest.h>
 
@@ -55,28 +55,29 @@ struct End {
     [[nodiscard]] filter::Matrix9 P_n() const { return filter.local_covariance(model); }
 };
 struct Innovations : filter::PassObserver<Frame> {
-    void aid(const filter::AidRecord& record) override {
+    void measurement(const filter::MeasurementRecord& record) override {
         nis += record.nis;
         measured += record.dof;
     }
     double nis = 0.0;
     int measured = 0;
 };
-End sail(const sim::Scenario& scenario, const Beliefs& beliefs, const AidLog& aids, const sim::SimulatedData& data) {
+End sail(const sim::Scenario& scenario, const Beliefs& beliefs, const InstrumentLogs& instruments,
+         const sim::SimulatedData& data) {
     const ReferenceSample& first = data.recording.reference.front();
     const NavState start{first.time, first.position, first.velocity_n,
                          math::quaternion_from_rpy(first.rpy + Vector3d(1e-4, -1e-4, 0.02))};
-    const Prepared survey(scenario, data, beliefs, start, aids);
+    const Prepared survey(scenario, data, beliefs, start, instruments);
     Innovations seen;
     const auto filter = survey.end(seen);
     return {survey.model(), filter, data.recording.reference.back(), seen.nis, seen.measured};
 }
-End sail(const sim::Scenario& scenario, const Beliefs& beliefs, const AidLog& aids) {
-    return sail(scenario, beliefs, aids, sim::simulate(scenario));
+End sail(const sim::Scenario& scenario, const Beliefs& beliefs, const InstrumentLogs& instruments) {
+    return sail(scenario, beliefs, instruments, sim::simulate(scenario));
 }
 
-sim::AidErrors ones() {
-    sim::AidErrors e;
+sim::InstrumentErrors ones() {
+    sim::InstrumentErrors e;
     e.gauges.rate = e.log.rate = e.compass.rate = 1.0;
     e.gauges.white = 0.002;
     e.gauges.lever_arms_b = {{0.0, 0.0, 1.0}, {40.0, 0.0, 2.0}, {-10.0, 8.0, 2.0}};
@@ -88,8 +89,8 @@ sim::AidErrors ones() {
     e.compass.bias = 0.01;
     return e;
 }
-AidLog sampled(const sim::AidErrors& errors, const sim::Scenario& s) {
-    return sim::simulate_aids(errors, s.earth, *sim::make_path(s.path, s.earth.ellipsoid), s.duration, s.origin, s.seed);
+InstrumentLogs sampled(const sim::InstrumentErrors& errors, const sim::Scenario& s) {
+    return sim::simulate_instruments(errors, s.earth, *sim::make_path(s.path, s.earth.ellipsoid), s.duration, s.origin, s.seed);
 }
 
 void expect_consistent(const End& end) {
@@ -97,15 +98,15 @@ void expect_consistent(const End& end) {
     EXPECT_LT(end.nis / end.measured, 1.15);
 }
 
-TEST(SurveyAids, TheLogsScaleAndMisalignmentAreFound) {
+TEST(SurveyInstruments, TheLogsScaleAndMisalignmentAreFound) {
     const sim::Scenario scenario = voyage(3);
     Beliefs beliefs = believed();
-    const sim::AidErrors errors = ones();
+    const sim::InstrumentErrors errors = ones();
     beliefs.settings.log = {
         .std = errors.log.white, .scale_std = 0.01, .misalignment_std = 0.01, .lever_arm_b = errors.log.lever_arm_b};
     const End end = sail(scenario, beliefs, {{}, sampled(errors, scenario).velocities, {}});
     // The truth from samples without noise: what the log makes of a steady speed straight ahead.
-    sim::AidErrors bare = errors;
+    sim::InstrumentErrors bare = errors;
     bare.log.white = 0.0;
     bare.log.lever_arm_b.setZero();
     sim::Scenario calm = scenario;
@@ -120,11 +121,11 @@ TEST(SurveyAids, TheLogsScaleAndMisalignmentAreFound) {
     expect_consistent(end);
 }
 
-TEST(SurveyAids, GaugesTellAttitudeAndTheirOwnErrors) {
+TEST(SurveyInstruments, GaugesTellAttitudeAndTheirOwnErrors) {
     const sim::Scenario scenario = voyage(4);
     Beliefs beliefs = believed();
     beliefs.attitude_n.head<2>().setConstant(0.01);  // coarser than the start is wrong: the gauges must not make it worse
-    sim::AidErrors errors = ones();
+    sim::InstrumentErrors errors = ones();
     filter::GaugeSettings& gauges = beliefs.settings.gauges;
     gauges.std = errors.gauges.white;
     for (std::size_t i = 0; i < 3; ++i) gauges.lever_arms_b[i] = errors.gauges.lever_arms_b[i];
@@ -137,9 +138,9 @@ TEST(SurveyAids, GaugesTellAttitudeAndTheirOwnErrors) {
     // Unknown ones: found against the fixes.
     errors.gauges.bias = gauges.level_std = 0.5;
     const End end = sail(scenario, beliefs, {sampled(errors, scenario).gauges, {}, {}});
-    sim::AidErrors bare = errors;
+    sim::InstrumentErrors bare = errors;
     bare.gauges.white = 0.0;
-    sim::AidErrors right = bare;
+    sim::InstrumentErrors right = bare;
     right.gauges.bias = 0.0;
     const Vector3d truth = sampled(bare, scenario).gauges.front().height - sampled(right, scenario).gauges.front().height;
     for (int i = 0; i < 3; ++i) {
@@ -152,7 +153,7 @@ TEST(SurveyAids, GaugesTellAttitudeAndTheirOwnErrors) {
     expect_consistent(end);
 }
 
-TEST(SurveyAids, AHeightThatIsOlderThanItsFixCountsWhereItWasTrue) {
+TEST(SurveyInstruments, AHeightThatIsOlderThanItsFixCountsWhereItWasTrue) {
     // The receiver's heights lag by 0.4 s, its horizontal positions do not; the ship heaves.
     sim::Scenario scenario = voyage(6);
     scenario.reference_rate = 10.0;
@@ -167,11 +168,11 @@ TEST(SurveyAids, AHeightThatIsOlderThanItsFixCountsWhereItWasTrue) {
     expect_consistent(sail(scenario, beliefs, {}, data));
 }
 
-TEST(SurveyAids, TheCompassTellsHeadingToItsDeviation) {
+TEST(SurveyInstruments, TheCompassTellsHeadingToItsDeviation) {
     const sim::Scenario scenario = voyage(5);
     Beliefs beliefs = believed();
     beliefs.gyro_bias = 1e-4;  // gyros that cannot find north themselves
-    const sim::AidErrors errors = ones();
+    const sim::InstrumentErrors errors = ones();
     beliefs.settings.heading = {.std = errors.compass.white, .offset_std = errors.compass.bias};
     const End end = sail(scenario, beliefs, {{}, {}, sampled(errors, scenario).headings});
     const double sigma = std::sqrt(end.P_n()(filter::Layout::attitude + 2, filter::Layout::attitude + 2));

@@ -10,7 +10,7 @@ namespace schuler::settings {
 
 /// Sections [gauges], [log] and [compass] of dataset.toml; an empty file: no such instrument. One sigma; white errors at every
 /// sample, the others constant.
-struct AidsConfig {
+struct InstrumentsConfig {
     struct {
         std::string file;                                                    ///< time_s, height_1_m [, height_2_m, height_3_m]
         double white = 0.05, bias = 10.0;                                    ///< m
