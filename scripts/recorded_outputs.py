@@ -4,7 +4,7 @@
     recorded_outputs.py record FOLDER --schuler build/bin/schuler [--data FOLDER] [--only TEXT]
     recorded_outputs.py compare BEFORE AFTER [--figures]
 
-`record` runs every example, most studies, and `process`, `inspect` and `ahrs` on one simulated drive, and with --data every data set of a
+`record` runs every example, all studies, conversions, an item of each paper, and `process`, `inspect` and `ahrs` on one simulated drive, and with --data every data set of a
 folder; standard output and exit status of each are files of the record, too. `compare` leaves out only the time taken, the version, the
 folder and the marks that the program puts beside its files; it names every file that differs and the first line that does, with --figures
 also the greatest difference of each column of a table. The exit status is 0 where nothing differs, or else 1.
@@ -51,12 +51,27 @@ def commands(data):
     yield "analyze-equator", ["analyze", "equator"]
     yield "analyze-schuler", ["analyze", "schuler"]
     yield "analyze-allan", ["analyze", "allan", f"{drive}/imu.csv"]
+    yield "analyze-triad", ["analyze", "triad", "-n", "1"]
+    yield "analyze-protection", ["analyze", "protection", "-n", "2"]
+    yield "batch", ["batch", drive, "-o", "out", "--outputs", TABLES]
+    yield "gravity", ["gravity", examples / "gravity-step.toml", "-o", "out"]
+    yield "gravity-runs", ["gravity", examples / "gravity-step.toml", "--runs", "2", "-o", "out"]
+    yield "simulate-ranges", ["simulate", examples / "triad-4sv.toml", "-o", "out"]
+    yield "replay", ["replay", drive, "--to", "stdout", "--speed", "0", "--stop", "30"]
+    for extension in ("gpx", "kml", "geojson", "tum", "sbet", "pos", "nmea"):
+        yield f"convert-{extension}", ["convert", f"{drive}/reference.csv", f"out.{extension}"]
+    yield "evaluate", ["evaluate", f"{drive}/reference.csv", f"{drive}/reference.csv"]
+    for paper, item in (("A", "table-1.4.2"), ("B", "all"), ("C", "all"), ("D", "figure-2"), ("E", "figure-7")):
+        yield f"paper-{paper}", ["paper", paper, item, "-o", "out", "-n", "2"]
+    yield "receiver", ["receiver", "generate", "sky.ibyte", "--duration", "0.1"]
     for topic in ("--reference", "settings", "formats"):
         yield f"help-{topic.strip('-')}", ["help", topic]
     for folder in sorted(p for p in data.iterdir() if p.is_dir()) if data else ():
         yield f"inspect-{folder.name}", ["inspect", folder]
         kind = "ahrs" if folder.name.startswith("broad") else "process"
         yield f"{kind}-{folder.name}", [kind, folder, "-o", "out"] + (["--outputs", TABLES] if kind == "process" else [])
+        if kind == "process":
+            yield f"gnss-{folder.name}", ["gnss", folder, "-o", "out"]   # of those with raw measurements; the others are refused
 
 
 def record(args):

@@ -1,11 +1,12 @@
 #include "schuler/report/published.h"
 
 #include "schuler/core/units.h"
+#include "schuler/report/result_table.h"
 #include "schuler/settings/scenario/published.h"
 
 #include <fmt/format.h>
 
-#include <cmath>
+#include <array>
 
 namespace schuler::report {
 
@@ -26,27 +27,26 @@ settings::BlockRms rms_of(const std::vector<solution::StateErrors>& states, Time
 
 std::string published_table(const settings::Published& published, const settings::BlockRms& ours, const std::string& heading) {
     if (published.source.empty()) return {};
-    struct Row {
+    struct Block {
         const char* name;
-        double unit;
-        const char* axes;
+        const char* unit;
+        double per_unit;
+        std::array<const char*, 3> axes;
     };
-    static constexpr std::array<Row, settings::published_blocks> rows{{{"position, m", 1.0, "east, north, up"},
-                                                                       {"velocity, m/s", 1.0, "east, north, up"},
-                                                                       {"attitude, rad", 1.0, "about east, north, up"},
-                                                                       {"gyro bias, rad/s", 1.0, "x, y, z"},
-                                                                       {"accelerometer bias, ug", units::ug, "x, y, z"}}};
-    std::string out = fmt::format("{:<26}{:<36}{:<36}\n", "root mean square", heading, published.source);
-    const auto cells = [](const Eigen::Vector3d& v, double unit) {
-        std::string text;
-        for (const double x : v)
-            text += std::isfinite(x) ? fmt::format("{:<11}", fmt::format("{:.4g}", x / unit)) : "-          ";
-        return text;
-    };
-    for (std::size_t b = 0; b < settings::published_blocks; ++b)
-        out += fmt::format("  {:<24}{:<36}{:<36}{}\n", rows[b].name, cells(ours[b], rows[b].unit),
-                           cells(published.rms[b], rows[b].unit), rows[b].axes);
-    return out;
+    static constexpr std::array<const char*, 3> enu{"east", "north", "up"}, about_enu{"about east", "about north", "about up"},
+        body{"x", "y", "z"};
+    static constexpr std::array<Block, settings::published_blocks> blocks{{{"position", "m", 1.0, enu},
+                                                                           {"velocity", "m/s", 1.0, enu},
+                                                                           {"attitude", "rad", 1.0, about_enu},
+                                                                           {"gyro bias", "rad/s", 1.0, body},
+                                                                           {"accelerometer bias", "ug", units::ug, body}}};
+    ResultTable table = table_for_people({}, {"root mean square", heading, published.source});
+    for (std::size_t b = 0; b < blocks.size(); ++b)
+        for (int i = 0; i < 3; ++i)
+            table.rows.push_back(
+                {fmt::format("{} {}, {}", blocks[b].name, blocks[b].axes[static_cast<std::size_t>(i)], blocks[b].unit),
+                 ours[b](i) / blocks[b].per_unit, published.rms[b](i) / blocks[b].per_unit});
+    return table_text(table);
 }
 
 }  // namespace schuler::report
