@@ -34,6 +34,7 @@ namespace schuler::io {
     FORMAT(adsb_format)              \
     FORMAT(nmea_format)              \
     FORMAT(gpx_format)               \
+    FORMAT(igc_format)               \
     FORMAT(kitti_format)             \
     FORMAT(waypoint_format)          \
     FORMAT(ulog2csv_format)          \
