@@ -63,7 +63,7 @@ def commands(data):
     yield "evaluate", ["evaluate", f"{drive}/reference.csv", f"{drive}/reference.csv"]
     for paper, item in (("A", "table-1.4.2"), ("B", "all"), ("C", "all"), ("D", "figure-2"), ("E", "figure-7")):
         yield f"paper-{paper}", ["paper", paper, item, "-o", "out", "-n", "2"]
-    yield "receiver", ["receiver", "generate", "sky.ibyte", "--duration", "0.1"]
+    yield "receiver", ["receiver", "generate", "sky.ibyte", "--seconds", "0.1"]
     for topic in ("--reference", "settings", "formats"):
         yield f"help-{topic.strip('-')}", ["help", topic]
     for folder in sorted(p for p in data.iterdir() if p.is_dir()) if data else ():
