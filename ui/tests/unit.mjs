@@ -1,5 +1,5 @@
 // Modules of the page without a browser, for tests of what they compute.
-import { mkdtempSync, rmSync } from "node:fs";
+import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { dirname, join, resolve } from "node:path";
@@ -22,6 +22,7 @@ export function pretend(paints = {}) {
     ResizeObserver: class {},
   });
   globalThis.window ??= globalThis;
+  globalThis.navigator ??= { language: "en" };
 }
 
 /** The exports of TypeScript modules, by their names under ui/src without ending. */
@@ -33,11 +34,14 @@ export async function modules(folder, ...names) {
     skip("there is no esbuild; scripts/build_ui.sh installs it where npm reaches a registry");
   }
   const made = mkdtempSync(join(tmpdir(), "schuler_unit_"));
+  // the drawing libraries need a browser as soon as they are loaded
+  const nothing = join(made, "nothing.mjs");
+  writeFileSync(nothing, "export default class {}\n");
   try {
     const out = [];
     for (const name of names) {
       const file = join(made, `${name.replaceAll("/", "-")}.mjs`);
-      esbuild.buildSync({ entryPoints: [join(source, `${name}.ts`)], bundle: true, format: "esm", outfile: file, nodePaths: [resolve(folder)], logLevel: "error", loader: { ".css": "empty" } });
+      esbuild.buildSync({ entryPoints: [join(source, `${name}.ts`)], bundle: true, format: "esm", outfile: file, nodePaths: [resolve(folder)], logLevel: "error", alias: { uplot: nothing } });
       out.push(await import(pathToFileURL(file).href));
     }
     return out;

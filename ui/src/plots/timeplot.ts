@@ -42,8 +42,8 @@ export class TimePlot {
   private request: AbortController | null = null;
   private inSight = false;
   private stale = true;
-  /** Limits of y that a box has chosen. */
-  private box: [number, number] | null = null;
+  /** Limits that a box has chosen, of y and of the axis at the right. */
+  private box: Record<string, [number, number]> = {};
   /** The last attempt to load its numbers failed. */
   failed = false;
   private readonly hidden = new Set<number>();
@@ -87,7 +87,7 @@ export class TimePlot {
       this.button("↺", t("plot.reset"), () => this.reset()),
       this.button(icon("lines"), t("plot.lines"), () => this.toggleLines()),
       this.button(icon("copy"), t("plot.copy"), () => void rowsOf(this.settings, this.linked).then((text) => copyText(text, this.settings.title))),
-      this.button("PNG", t("plot.png"), () => this.chart && savePng(this.chart, this.settings)),
+      this.button("PNG", t("plot.png"), () => this.chart && savePng(this.chart, this.settings, this.hidden)),
       this.button("SVG", t("plot.svg"), () => this.chart && saveSvg(this.chart, this.settings, this.hidden, this.linked)),
       this.button(
         "CSV",
@@ -224,9 +224,9 @@ export class TimePlot {
           ...(s.logY ? { distr: 3 as const } : {}),
           // names are read from the top
           ...(s.names ? { dir: -1 as const } : {}),
-          range: (_, min, max) => this.box ?? limitsOf(s, min, max, (a, b) => this.usual(a, b)),
+          range: (_, min, max) => this.box.y ?? limitsOf(s, min, max, (a, b) => this.usual(a, b)),
         },
-        ...(s.lines.some((l) => l.right) ? { y2: { range: (_: uPlot, min: number, max: number) => limitsOf({ ...s, logY: false }, min, max, (a, b) => [a, b]) } } : {}),
+        ...(s.lines.some((l) => l.right) ? { y2: { range: (_: uPlot, min: number, max: number) => this.box.y2 ?? limitsOf({ ...s, logY: false }, min, max, (a, b) => [a, b]) } } : {}),
       },
       axes: axesOf(s),
       ...seriesOf(s, this.hidden),
@@ -288,21 +288,22 @@ export class TimePlot {
     if (width < 4 && height < 4) return;
     const a = u.posToVal(left, "x"),
       b = u.posToVal(left + width, "x");
-    const high = u.posToVal(top, "y"),
-      low = u.posToVal(top + height, "y");
+    const limits = (scale: string): [number, number] => [u.posToVal(top + height, scale), u.posToVal(top, scale)];
+    // both axes: a box holds what lies in it, whichever axis that is drawn on
+    const chosen = Object.fromEntries(["y", "y2"].filter((scale) => u.scales[scale]).map((scale) => [scale, limits(scale)]));
     u.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
     const boxed = height > 0 && height < u.over.clientHeight - 1;
     if (width > 4 && width < u.over.clientWidth) this.linked.set(a, b);
-    if (boxed) this.lockY(low, high);
+    if (boxed) this.lock(chosen);
   }
 
-  private lockY(low: number, high: number): void {
-    this.box = [low, high];
-    this.chart?.setScale("y", { min: low, max: high });
+  private lock(limits: Record<string, [number, number]>): void {
+    this.box = limits;
+    for (const [scale, [min, max]] of Object.entries(limits)) this.chart?.setScale(scale, { min, max });
   }
 
   reset(): void {
-    this.box = null;
+    this.box = {};
     this.linked.reset();
     if (this.chart) this.draw();
   }
