@@ -198,6 +198,18 @@ export interface Series {
   units: Record<string, string>;
 }
 
+/** Columns of a log before anything is processed. */
+export interface Raw {
+  rows: number;
+  thinned: boolean;
+  /** The first time as written, s, and the name of its column; `time_s` counts from there. */
+  zero: number;
+  time: string;
+  time_s: (number | null)[];
+  columns: Record<string, (number | null)[]>;
+  units: Record<string, string>;
+}
+
 export interface Figure {
   value: number | null;
   unit: string;
@@ -329,10 +341,8 @@ export const api = {
   },
   difference: (run: string, other: string, range: Range = {}, signal?: AbortSignal) =>
     get<Series>(`/api/runs/${id(run)}/difference?${ranged(new URLSearchParams({ with: other }), range)}`, signal),
-  raw: (name: string, file: string) =>
-    get<{ rows: number; zero: number; time: string; time_s: (number | null)[]; columns: Record<string, (number | null)[]> }>(
-      `/api/datasets/${id(name)}/raw?file=${id(file)}`,
-    ),
+  raw: (name: string, file: string, range: Range = {}, signal?: AbortSignal) =>
+    get<Raw>(`/api/datasets/${id(name)}/raw?${ranged(new URLSearchParams({ file }), range)}`, signal),
   commands: () => get<CommandForm[]>("/api/commands"),
   studies: () => get<CommandForm[]>("/api/studies"),
   papers: () => get<{ paper: string; items: PaperItem[] }[]>("/api/papers"),

@@ -41,7 +41,68 @@ async function exports_() {
   check(JSON.stringify(parts[3]) === "[3,3,null,3]", `the band leaves out what is withheld: ${JSON.stringify(parts[3])}`);
 }
 
-for (const step of [exports_])
+const near = (a, b, by) => Math.abs(a - b) <= by;
+
+/** Signals made of signals, against what is known in closed form. */
+async function derivedSignals() {
+  const [{ derived, norm }, { thinned, sameTimes }, { signalLoader, neededRange }] = await modules(options.modules, "plots/derive", "plots/thin", "pages/signaldata");
+  const uneven = [0, 1, 3, 4];
+  check(derived(uneven, [0, 1, 3, 4], "integral", 1).join() === "0,0.5,4.5,8", `the integral of t is t^2/2 at uneven times: ${derived(uneven, [0, 1, 3, 4], "integral", 1)}`);
+  check(derived(uneven, [5, 7, 11, 13], "derivative", 1).slice(1).join() === "2,2,2", "the slope of a line");
+  check(derived([0, 1, 2], [1, null, 3], "derivative", 1).every((v) => v === null), "no slope across a gap");
+  check(derived(uneven, [1, 2, null, 3], "mean", 1).join() === "-1,0,,1", "without its mean");
+  const time = Array.from({ length: 1001 }, (_, i) => i / 100);
+  const step = derived(time, time.map((x) => (x < 1 ? 0 : 1)), "lowpass", 2);
+  check(near(step[300], 1 - Math.exp(-1), 0.005), `a step after one time constant: ${step[300]}`);
+  check(norm([[3, null], [4, 1]]).join() === "5,", "the length of a vector");
+
+  // a fast wave in many rows: of the extremes of intervals its derivative and mean would be others
+  const n = 120_000,
+    rate = 100,
+    times = Array.from({ length: n }, (_, i) => i / rate),
+    wave = times.map((x) => Math.sin(2 * Math.PI * 5 * x) + 0.1 * x),
+    flat = times.map(() => 1);
+  const asked = [];
+  const most = 500_000;
+  const source = (limit) => async (ids, range) => {
+    asked.push(range);
+    const first = range.from === undefined ? 0 : Math.max(0, times.findIndex((x) => x >= range.from) - 1),
+      last = range.to === undefined ? n : times.findIndex((x) => x > range.to) + 1 || n;
+    const all = { time: times.slice(first, last), columns: ids.map((id) => (id === "flat" ? flat : wave).slice(first, last)) };
+    const few = range.points === 0 ? all.time.length > limit : all.time.length > 2 * range.points;
+    const { time, columns } = few ? thinned(all.time, all.columns, range.points || 1000) : all;
+    return { time_s: time, columns: Object.fromEntries(ids.map((id, i) => [id, columns[i]])), thinned: few };
+  };
+  const load = async (signal, from, to, limit = most) => signalLoader(source(limit), (id) => [id])(Array.isArray(signal) ? signal : [signal])(from, to, 600, new AbortController().signal);
+  const top = (v) => v.reduce((a, x) => (x !== null && x > a ? x : a), -Infinity);
+  const slope = await load({ id: "wave", operation: "derivative" });
+  const steepest = 2 * Math.PI * 5 * (Math.sin((Math.PI * 5) / rate) / ((Math.PI * 5) / rate)) * Math.cos((Math.PI * 5) / rate) + 0.1; // of samples 18 degrees of phase apart
+  check(near(top(slope.y[0]), steepest, 0.01) && !slope.thinned, `the steepest slope of 120 000 rows: ${top(slope.y[0])}, ${steepest}`);
+  check(slope.x.length < 5000, `and few points are drawn: ${slope.x.length}`);
+  const sum = await load({ id: "wave", operation: "integral" }, 600, 610);
+  const at = sum.x.findIndex((x) => x >= 600);
+  check(near(sum.y[0][at], 0.05 * 600 ** 2, 0.1), `an integral starts with the log, whatever is shown: ${sum.y[0][at]}`);
+  check(sum.x.length < 1010 && sum.x[0] >= 599.9, `and only what is shown is drawn: ${sum.x[0]}, ${sum.x.length}`);
+  const less = await load({ id: "wave", minus: "flat" }, 100, 200);
+  check(near(top(less.y[0]), 20, 0.05), `a difference of every row: ${top(less.y[0])}`);
+  const smooth = await load({ id: "wave", operation: "lowpass", seconds: 10 }, 600, 620);
+  const first = smooth.x.findIndex((x) => x >= 600);
+  check(near(smooth.y[0][first], 0.1 * (600 - 10), 0.1), `a low-pass has settled where the picture begins: ${smooth.y[0][first]}`);
+  check(neededRange({ id: "a", operation: "mean" }, 1, 2).from === undefined, "a mean is that of everything");
+  check((await load({ id: "wave", operation: "derivative" }, undefined, undefined, 1000)).thinned, "too many rows are told");
+  check(!(await load({ id: "wave" })).thinned && asked.at(-1).points === 600, "a column as it is needs no more than the picture");
+
+  check(!sameTimes([0, 1, 3], [0, 2, 3]) && sameTimes([0, 1], [0, 1]), "times are the same if each of them is");
+  const other = async (ids) => (ids[0] === "a" ? { time_s: [0, 1, 3], columns: { a: [0, 1, 3] } } : { time_s: [0, 2, 3], columns: { b: [0, 2, 3] } });
+  const both = await signalLoader(other, (id) => [id])([{ id: "a" }, { id: "b" }])(undefined, undefined, 100, new AbortController().signal);
+  check(both.x.join() === "0,1,2,3" && both.y[0].join() === "0,1,2,3" && both.y[1].join() === "0,1,2,3", `signals of different times: ${JSON.stringify(both)}`);
+
+  const spike = flat.map((v, i) => (i === 77_777 ? 50 : i === 50_000 ? null : v));
+  const drawn = thinned(times, [spike], 300);
+  check(drawn.columns[0].includes(50) && drawn.columns[0].includes(null) && drawn.time.length < 1300, `extremes and gaps stay: ${drawn.time.length}`);
+}
+
+for (const step of [exports_, derivedSignals])
   try {
     await step();
   } catch (e) {

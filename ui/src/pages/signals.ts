@@ -1,25 +1,14 @@
 // Every signal of a run: searched in a tree, several in one plot with two axes, derived ones, layouts that are kept.
-import { api, type Group, type Range } from "../api";
+import { api, type Group } from "../api";
 import { h, replace, tell } from "../dom";
 import { number, t } from "../i18n";
-import { derived, norm, type Operation } from "../plots/derive";
+import type { Operation } from "../plots/derive";
 import { Linked } from "../plots/linked";
-import { TimePlot, linkCursors, type Data } from "../plots/timeplot";
-import { withoutJumps } from "./attitude";
+import { TimePlot, linkCursors } from "../plots/timeplot";
+import { signalLoader, type Signal, type Source } from "./signaldata";
 import type { View } from "./track";
-import { resampled, unit } from "./views";
+import { unit } from "./views";
 
-type Values = (number | null)[];
-
-interface Signal {
-  /** Of /channels; "norm:/group/table" for the length of a vector. */
-  id: string;
-  right?: boolean;
-  operation?: Operation;
-  seconds?: number;
-  /** What is subtracted from it. */
-  minus?: string;
-}
 type Layout = Signal[][];
 
 interface Known {
@@ -51,18 +40,12 @@ function catalogue(groups: Group[]): Map<string, Known> {
   return out;
 }
 
-/** They pass from one end of their range to the other, which is no line across the plot. */
-const angles = /:(roll|yaw|heading|lon|course)(_deg)?$/;
-
 const operations: Operation[] = ["raw", "mean", "integral", "derivative", "lowpass"];
 
 function derivedUnit(u: string, operation: Operation | undefined): string {
   if (operation === "integral") return `${u}·s`;
   return operation === "derivative" ? `${u}/s` : u;
 }
-
-/** Where the numbers of signals come from: of a run by its server, of raw logs from what was read of them. */
-export type Source = (ids: string[], range: Range, signal: AbortSignal) => Promise<{ time_s: number[]; columns: Record<string, Values> }>;
 
 export async function signalsView(
   run: string,
@@ -89,38 +72,11 @@ export async function signalsView(
     return s.minus ? `${of} − ${known.get(s.minus)?.label ?? s.minus}` : of;
   };
 
-  const values = async (id: string, fine: boolean, range: { from?: number | undefined; to?: number | undefined; points: number }, signal: AbortSignal) => {
+  const load = signalLoader(source, (id) => {
     const k = known.get(id);
     if (!k) throw new Error(id);
-    const s = await source(k.parts, { ...range, points: fine ? 20000 : range.points }, signal);
-    const columns = k.parts.map((p) => s.columns[p]!);
-    const v = columns.length > 1 ? norm(columns) : columns[0]!;
-    return { time: s.time_s, values: angles.test(id) ? withoutJumps(v) : v };
-  };
-
-  const load = (signals: Signal[]) => async (from: number | undefined, to: number | undefined, points: number, abort: AbortSignal): Promise<Data> => {
-    const all = await Promise.all(
-      signals.map(async (s) => {
-        const operation = s.operation ?? "raw";
-        // an integral starts where the log does, whatever is shown
-        const fine = operation !== "raw";
-        const range = operation === "integral" ? { points: 20000 } : { from, to, points };
-        const a = await values(s.id, fine, range, abort);
-        let v: Values = a.values;
-        if (s.minus) {
-          const b = await values(s.minus, fine, range, abort);
-          const other = resampled(b.time, b.values, a.time);
-          v = v.map((x, i) => (x === null || other[i] === null || other[i] === undefined ? null : x - other[i]!));
-        }
-        return { time: a.time, values: derived(a.time, v, operation, s.seconds ?? 1) };
-      }),
-    );
-    if (all.length === 0) return { x: [], y: [] };
-    const same = all.every((a) => a.time.length === all[0]!.time.length && a.time[0] === all[0]!.time[0] && a.time.at(-1) === all[0]!.time.at(-1));
-    if (same) return { x: all[0]!.time, y: all.map((a) => a.values) };
-    const x = [...new Set(all.flatMap((a) => a.time))].sort((a, b) => a - b);
-    return { x, y: all.map((a) => resampled(a.time, a.values, x)) };
-  };
+    return k.parts;
+  });
 
   const list = h("div", { class: "signal-plots" });
   const changed = () => {

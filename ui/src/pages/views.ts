@@ -10,7 +10,8 @@ type Values = (number | null)[];
 export function loader(run: string, ids: string[], combine: (columns: Values[]) => Values[] = (c) => c) {
   return async (from: number | undefined, to: number | undefined, points: number, signal: AbortSignal): Promise<Data> => {
     const s: Series = await api.series(run, ids, { from, to, points }, undefined, signal);
-    return { x: s.time_s, y: combine(ids.map((id) => s.columns[id]!)) };
+    // a picture is thinned on purpose, a file of numbers is not
+    return { x: s.time_s, y: combine(ids.map((id) => s.columns[id]!)), thinned: points === 0 && s.thinned };
   };
 }
 

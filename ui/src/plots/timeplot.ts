@@ -169,7 +169,7 @@ export class TimePlot {
         this.element.hidden = true;
         return;
       }
-      this.note.textContent = data.x.length === 0 ? t("plot.empty") : "";
+      this.note.textContent = data.x.length === 0 ? t("plot.empty") : data.thinned ? `⚠ ${t("plot.thinned")}` : "";
       this.show();
     } catch (e) {
       if (request.signal.aborted) return;
