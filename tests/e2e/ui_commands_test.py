@@ -58,11 +58,30 @@ def commands(program, source):
         refused(server, "GET", f"/api/runs/{many}/noise/x", 404)
         refused(server, "GET", "/api/datasets/none/noise", 404)
 
+        every_row(server, Path(folder))
         forms(server)
         attitude(server, Path(folder))
         batches(server)
         kept(server, program, folder, order)
     live(program)
+
+
+def every_row(server, folder):
+    """Every row is every row, to the end; of too many the extremes, from the beginning to the end."""
+    for name, rows in (("many", 30_000), ("too-many", 510_000)):
+        run = folder / "work" / name
+        run.mkdir()
+        (run / "run.json").write_text(json.dumps({"title": name, "created": 1, "kind": "dataset", "state": "done"}))
+        (run / "summary.json").write_text("{}")
+        with open(run / "solution.csv", "w") as file:
+            file.write("time_s,roll_deg\n")
+            file.writelines(f"{i / 100},{i % 700 / 10}\n" for i in range(rows))
+        path = f"/api/runs/{name}/series?columns=/attitude/table:roll_deg&points=0"
+        series = server.json("GET", path)
+        whole = rows < 500_000
+        check(series["thinned"] != whole and series["rows"] == rows, f"{name}: thinned {series['thinned']}, {series['rows']} rows")
+        check((len(series["time_s"]) == rows) == whole, f"{name}: {len(series['time_s'])} rows are given")
+        check(series["time_s"][-1] == (rows - 1) / 100, f"{name}: to the end: {series['time_s'][-1]}")
 
 
 def forms(server):
