@@ -1,8 +1,10 @@
 // What the page computes by itself: exports, derived signals, grids of outages. No browser, no program.
 //   node unit_test.mjs --modules NODE_MODULES
 // Exit status 0 passed, 1 failed, 77 skipped.
+import { readFileSync } from "node:fs";
 import { optionsOf } from "./browse.mjs";
 import { modules, pretend } from "./unit.mjs";
+import { contrast, distance, visions } from "./vision.mjs";
 
 const options = optionsOf(process.argv.slice(2));
 let failures = 0;
@@ -102,7 +104,35 @@ async function derivedSignals() {
   check(drawn.columns[0].includes(50) && drawn.columns[0].includes(null) && drawn.time.length < 1300, `extremes and gaps stay: ${drawn.time.length}`);
 }
 
-for (const step of [exports_, derivedSignals])
+/** Colours of lines are told apart by every reader, and from the surface that they are drawn on. */
+async function palette() {
+  check(Math.abs(distance("#ff0000", "#00ff00", "normal") - 170.6) < 0.1, "the distance of red and green");
+  check(distance("#d55e00", "#8f8f00", "deuteranopia") < 0.5 * distance("#d55e00", "#8f8f00", "normal"), "orange and olive come near in deuteranopia");
+  const css = readFileSync(new URL("../src/style.css", import.meta.url), "utf8");
+  const least = 10,
+    leastContrast = 3;
+  for (const theme of [":root", '[data-theme="dark"]']) {
+    const at = css.indexOf(`${theme} {`);
+    const paints = Object.fromEntries([...css.slice(at, css.indexOf("}", at)).matchAll(/--([\w-]+): (#[0-9a-f]{6});/g)].map((m) => [m[1], m[2]]));
+    paints.surface ??= "#ffffff";
+    const series = Array.from({ length: 9 }, (_, i) => `ink-${i + 1}`);
+    const told = ["rejected", "excluded"];
+    const meant = ["fix-none", "fix-single", "fix-differential", "fix-float", "fix-fixed", "fix-unknown", "warn", ...told];
+    const health = ["ink-1", "ink-4", "ink-6", "ink-7", "fix-none", ...told];
+    for (const [what, names] of [["series", [...series, ...told]], ["meanings", meant], ["health", health]])
+      for (const vision of Object.keys(visions)) {
+        let worst = [Infinity, ""];
+        names.forEach((a, i) => names.slice(0, i).forEach((b) => {
+          const d = distance(paints[a], paints[b], vision);
+          if (d < worst[0]) worst = [d, `${a} and ${b}`];
+        }));
+        check(worst[0] >= least, `${theme}, ${what}, ${vision}: ${worst[1]} differ by ${worst[0].toFixed(1)}`);
+      }
+    for (const name of [...series, ...meant]) check(contrast(paints[name], paints.surface) >= leastContrast, `${theme}: ${name} has ${contrast(paints[name], paints.surface).toFixed(2)} : 1`);
+  }
+}
+
+for (const step of [exports_, derivedSignals, palette])
   try {
     await step();
   } catch (e) {
