@@ -132,6 +132,8 @@ export interface Summary {
   events?: unknown;
   /** Epochs of carrier phase against a base, by what their ambiguities are. */
   carrier?: { epochs: number; fixed: number; float: number; single: number } | null;
+  /** What each source was doing, in order of source and time. */
+  health?: Health[] | null;
   integrity?: { alerts: { time_s: number; channel: string; test: string; size: number | null }[] } | null;
   findings?: Record<string, unknown> | null;
   facts?: Fact[] | null;
@@ -155,6 +157,15 @@ export interface Outage {
   end_vertical_m: number | null;
   max_3d_m: number | null;
   inside_3sigma: boolean | null;
+}
+
+export interface Health {
+  source: string;
+  state: string;
+  from_s: number;
+  to_s: number;
+  samples: number;
+  used: number;
 }
 
 /** A setting and how it is known. */

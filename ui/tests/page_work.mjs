@@ -9,8 +9,9 @@ import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { deflateSync } from "node:zlib";
 import { serve } from "./browse.mjs";
+import * as quality from "./page_quality.mjs";
 
-const drive = (seed) => `name = "drive"
+export const drive = (seed) => `name = "drive"
 duration_s = 240
 seed = ${seed}
 [trajectory]
@@ -25,7 +26,7 @@ rate_hz = 2
 receiver = "rtk"
 `;
 
-const ended = async ({ ask, page }, ids) => {
+export const ended = async ({ ask, page }, ids) => {
   const runs = [];
   for (const id of ids)
     for (;;) {
@@ -613,7 +614,7 @@ async function languages({ page, address, check, soon }) {
 }
 
 export async function work(t) {
-  const steps = [languages, frame, batch, comparisons, carrier, papers, receiver, graticule, tiles, live, restart];
+  const steps = [languages, frame, ...Object.values(quality), batch, comparisons, carrier, papers, receiver, graticule, tiles, live, restart];
   for (const step of steps.filter((s) => !t.options.steps || t.options.steps.includes(s.name)))
     try {
       await step(t);

@@ -132,7 +132,26 @@ async function palette() {
   }
 }
 
-for (const step of [exports_, derivedSignals, palette])
+/** What happened, from the health of the sources; marks that are too many. */
+async function events() {
+  const [{ ofHealth, marksOf }, { stateAt }] = await modules(options.modules, "pages/events", "plots/healthline");
+  const health = [
+    { source: "imu", state: "used", from_s: 0, to_s: 50, samples: 5000, used: 5000 },
+    { source: "imu", state: "silent", from_s: 50, to_s: 53, samples: 0, used: 0 },
+    { source: "imu", state: "used", from_s: 53, to_s: 100, samples: 4700, used: 4700 },
+    { source: "gnss_position", state: "left out", from_s: 20, to_s: 25, samples: 6, used: 0 },
+    { source: "gnss_position", state: "silent", from_s: 60, to_s: 70, samples: 0, used: 0 },
+    { source: "baro", state: "refused", from_s: 60, to_s: 70, samples: 3, used: 0 },
+  ];
+  const found = ofHealth(health);
+  check(found.map((e) => `${e.from}-${e.to} ${e.what}`).join("; ") === "50-53 gap of the inertial unit; 20-25 GNSS position: left out before the run; 60-70 no GNSS", `events of health: ${JSON.stringify(found)}`);
+  check(stateAt(health, "imu", 51) === "silent" && stateAt(health, "imu", 99) === "used" && stateAt(health, "baro", 1) === null, "the state at a time");
+  const many = Array.from({ length: 900 }, (_, i) => ({ from: i, to: i, what: "", note: "", paint: i % 3 === 0 ? "--rejected" : "--good" }));
+  check(marksOf(many).length === 300 && marksOf(many).every((m) => m.at % 3 === 0), `of too many marks those of rests are left out: ${marksOf(many).length}`);
+  check(marksOf(many.slice(0, 90)).length === 90, "everything is marked, rests too");
+}
+
+for (const step of [exports_, derivedSignals, palette, events])
   try {
     await step();
   } catch (e) {

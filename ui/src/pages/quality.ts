@@ -2,6 +2,7 @@
 import { api, type Group, type RunDetails } from "../api";
 import { h } from "../dom";
 import { maybe, number, t } from "../i18n";
+import { HealthLine } from "../plots/healthline";
 import { Linked } from "../plots/linked";
 import { PlanView, type Track2d } from "../plots/plan";
 import { TimePlot, linkCursors, stacked } from "../plots/timeplot";
@@ -224,6 +225,7 @@ export async function qualityView(run: RunDetails, groups: Group[], linked: Link
   const growth = growthPlot(run);
   if (growth) linkCursors([growth], growth.linked);
   const figures = overview(run);
+  const health = (run.summary?.health?.length ?? 0) > 0 ? new HealthLine(run.summary!.health!, linked) : null;
   const element = h(
     "div",
     { class: "quality" },
@@ -231,11 +233,11 @@ export async function qualityView(run: RunDetails, groups: Group[], linked: Link
     h(
       "div",
       { class: "quality-grid" },
-      h("div", { class: "quality-left" }, verdictCard(run), plan?.element, (events.length > 0 || plan) && eventList(events, linked), !plan && figures),
+      h("div", { class: "quality-left" }, verdictCard(run), plan?.element, health?.element, (events.length > 0 || plan) && eventList(events, linked), !plan && figures),
       h("div", { class: "quality-right" }, growth?.element, ...stacked(plots)),
     ),
     factsCard(run, others),
     plan && figures,
   );
-  return { element, redraw: () => [...plots, plan, growth].forEach((p) => p?.redraw()) };
+  return { element, redraw: () => [...plots, plan, health, growth].forEach((p) => p?.redraw()) };
 }

@@ -1,0 +1,67 @@
+// Steps of page_test.mjs about the first page of a run and what leads to it: health of the sources, events, grids of outages, running again.
+import { execFileSync } from "node:child_process";
+import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { drive, ended } from "./page_work.mjs";
+
+/** A data set of a simulated drive; `change` may spoil a file: name, rows. */
+function dataset({ folder, options }, name, seed, change = (_, rows) => rows) {
+  const to = join(folder, "work", "data", name);
+  writeFileSync(join(folder, `${name}.toml`), drive(seed));
+  mkdirSync(join(folder, "work", "data"), { recursive: true });
+  execFileSync(options.program, ["simulate", join(folder, `${name}.toml`), "-o", to], { stdio: "ignore" });
+  for (const file of ["imu.csv", "gnss.csv"]) {
+    const [head, ...rows] = readFileSync(join(to, file), "utf8").trimEnd().split("\n");
+    writeFileSync(join(to, file), [head, ...change(file, rows)].join("\n") + "\n");
+  }
+  return to;
+}
+
+const timesOf = (rows) => {
+  const zero = Number(rows[0].split(",")[0]);
+  return rows.map((r) => Number(r.split(",")[0]) - zero);
+};
+
+/** Two seconds of the inertial unit and twenty of GNSS are missing: both are drawn, listed and marked. */
+export async function health(t) {
+  const { page, address, ask, check, soon, accessible, options } = t;
+  dataset(t, "holes", 8, (file, rows) => {
+    const times = timesOf(rows);
+    const [from, to] = file === "imu.csv" ? [100, 102] : [150, 170];
+    return rows.filter((_, i) => !(times[i] > from && times[i] < to));
+  });
+  const { id } = await ask("api/runs", "POST", { kind: "dataset", dataset: "holes", title: "Holes", settings: {} });
+  const [run] = await ended(t, [id]);
+  check(run.state === "done", `holes: ${run.message}`);
+  await page.goto(`${address}#/run/${id}/overview`);
+  const line = page.locator("figure.health");
+  await line.waitFor();
+  const { summary } = await ask(`api/runs/${id}`);
+  const sources = [...new Set(summary.health.map((x) => x.source))];
+  const shown = await page.evaluate(() => document.querySelector("figure.health").health.sources);
+  check(shown.length > 1 && shown.join() === sources.join(), `a row a source: ${shown}`);
+  await line.scrollIntoViewIfNeeded();
+  // the middle of an interval has the colour of its state
+  const painted = (source, time) =>
+    page.evaluate(
+      ([source, time]) => {
+        const { health } = document.querySelector("figure.health");
+        const [x, y] = health.placeOf(source, time).map((v) => Math.round(v * devicePixelRatio));
+        return [...health.canvas.getContext("2d").getImageData(x, y, 1, 1).data].slice(0, 3).join();
+      },
+      [source, time],
+    );
+  const colour = (name) => page.evaluate((name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim().match(/[0-9a-f]{2}/g).map((x) => parseInt(x, 16)).join(), name);
+  const silent = summary.health.find((x) => x.source === "gnss_position" && x.state === "silent");
+  check(silent && Math.abs(silent.to_s - silent.from_s - 20) < 1.5, `GNSS is silent for twenty seconds: ${JSON.stringify(silent)}`);
+  check(await soon(async () => (await painted("gnss_position", (silent.from_s + silent.to_s) / 2)) === (await colour("--ink-6"))), "its silence is drawn");
+  check((await painted("imu", 50)) === (await colour("--ink-1")), "and where the inertial unit is used");
+  const list = page.locator(".event-list");
+  const events = await list.innerText();
+  check(/gap of the inertial unit/.test(events) && /no GNSS/.test(events), `both gaps are events: ${events}`);
+  const gap = summary.health.find((x) => x.source === "imu" && x.state === "silent");
+  const marks = await page.evaluate(() => document.querySelector("figure.health").health.linked.marks.map((m) => m.at));
+  check(marks.includes(gap.from_s) && marks.includes(silent.from_s), `and are marked where they begin: ${gap.from_s}, ${silent.from_s}, ${marks}`);
+  await accessible("health of the sources");
+  if (options.shots) await page.screenshot({ path: join(options.shots, "ui-health.png"), fullPage: true });
+}
