@@ -1,5 +1,5 @@
 // Several data sets with one profile: what is chosen and set, and the table of their results, worst first.
-import { api, watchRuns, type Json, type Run, type RunDetails, type Settings, type Summary } from "../api";
+import { api, type Json, type Run, type RunDetails, type Settings, type Summary } from "../api";
 import { h, quietly, replace, saveAs, tell } from "../dom";
 import { draftKey, forgetDraft, keepDraft, keptDraft } from "../draft";
 import { OptionForm } from "../form";
@@ -7,6 +7,7 @@ import { maybe, number, t } from "../i18n";
 import { mainOptions } from "../labels";
 import type { Page } from "../page";
 import { said } from "../reasons";
+import { watchRuns } from "../streams";
 import { stateBadge } from "./start";
 
 const tasks = ["process", "gnss", "ahrs", "gravity"] as const;

@@ -1,9 +1,10 @@
 // One run: live while it works, then its views.
-import { api, watchRuns, type Group, type RunDetails, type RunEvent } from "../api";
+import { api, type Group, type RunDetails } from "../api";
 import { h, icon, replace, saveAs, tell } from "../dom";
 import { number, t } from "../i18n";
 import type { Page } from "../page";
 import { said } from "../reasons";
+import { watchRuns, type RunEvent } from "../streams";
 import { Linked } from "../plots/linked";
 import { TimePlot, linkCursors, stacked } from "../plots/timeplot";
 import { ensembleView } from "./ensemble";

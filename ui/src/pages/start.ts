@@ -1,9 +1,10 @@
 // Start: logs to drop, examples to pick, runs to open or compare.
-import { api, upload, watchRuns, type DatasetInfo, type Run } from "../api";
+import { api, upload, type DatasetInfo, type Run } from "../api";
 import { h, icon, replace, tell } from "../dom";
 import { language, maybe, number, t } from "../i18n";
 import type { Page } from "../page";
 import { said } from "../reasons";
+import { watchRuns } from "../streams";
 
 /** Files of a drop, those of folders too. */
 interface Sent {
