@@ -4,8 +4,8 @@ import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { drive, ended } from "./page_work.mjs";
 
-/** A data set of a simulated drive; `change` may spoil a file: name, rows. */
-function dataset({ folder, options }, name, seed, change = (_, rows) => rows) {
+/** A data set of a simulated drive in the workspace; `change` may spoil a file: name, rows. */
+export function dataset({ folder, options }, name, seed, change = (_, rows) => rows) {
   const to = join(folder, "work", "data", name);
   writeFileSync(join(folder, `${name}.toml`), drive(seed));
   mkdirSync(join(folder, "work", "data"), { recursive: true });
@@ -64,4 +64,32 @@ export async function health(t) {
   check(marks.includes(gap.from_s) && marks.includes(silent.from_s), `and are marked where they begin: ${gap.from_s}, ${silent.from_s}, ${marks}`);
   await accessible("health of the sources");
   if (options.shots) await page.screenshot({ path: join(options.shots, "ui-health.png"), fullPage: true });
+}
+
+/** GNSS withheld in windows at regular intervals: the windows of the form are those of the run, and running again finds them. */
+export async function grid(t) {
+  const { page, address, ask, check, soon, done, accessible } = t;
+  dataset(t, "windows", 9);
+  await page.goto(`${address}#/data/windows`);
+  await page.locator('.task input[value="grid"]').check();
+  await page.getByLabel("length of a window").fill("50");
+  await page.getByLabel("one every").fill("40");
+  const start = page.locator("button.primary.run");
+  check((await start.isDisabled()) && /no window fits/.test(await start.getAttribute("title")), `windows that overlap are refused with the reason: ${await start.getAttribute("title")}`);
+  await page.getByLabel("length of a window").fill("15");
+  await page.getByLabel("the first after").fill("80");
+  check(await soon(async () => /4 windows: 80 s \+ 15 s to 200 s \+ 15 s/.test(await page.locator(".tasks [role=status]").innerText())), `the windows are told: ${await page.locator(".tasks [role=status]").innerText()}`);
+  await page.reload();
+  await page.getByLabel("length of a window").waitFor();
+  check((await page.getByLabel("length of a window").inputValue()) === "15" && (await page.getByLabel("the first after").inputValue()) === "80", "a reload keeps the windows");
+  await accessible("outage grid");
+  await start.click();
+  const id = await done();
+  const { summary } = await ask(`api/runs/${id}`);
+  check(summary.outages.map((o) => `${o.start_s}+${o.duration_s}`).join() === "80+15,120+15,160+15,200+15", `the windows of the run: ${JSON.stringify(summary.outages)}`);
+  await page.goto(`${address}#/run/${id}/overview`);
+  await page.locator("figure.plot", { hasText: "difference to the withheld fixes" }).first().locator("canvas").waitFor({ timeout: 10_000 }).catch(() => check(false, "errors in the outages are drawn"));
+  await page.getByRole("link", { name: "Change and run again" }).click();
+  await page.getByLabel("length of a window").waitFor();
+  check((await page.locator(".task input:checked").getAttribute("value")) === "grid" && (await page.getByLabel("one every").inputValue()) === "40", "running again finds the grid");
 }

@@ -213,23 +213,6 @@ async function signals(id) {
   await shot("ui-signals");
 }
 
-/** What is typed survives a reload; a field that holds no value keeps the run from starting. */
-async function drafts() {
-  await page.goto(address);
-  await page.goto(`${address}#/scenario?example=uav-mems`);
-  const length = page.locator("#option-duration_s");
-  await length.waitFor();
-  await length.fill("ten");
-  check(await page.locator("button.primary.run").isDisabled(), "no run of a field without a value");
-  await length.fill("555");
-  check(await soon(async () => page.locator("button.primary.run").isEnabled()), "and again with one");
-  await page.reload();
-  await length.waitFor();
-  check((await length.inputValue()) === "555", "a reload keeps what was typed");
-  await page.getByRole("button", { name: "Discard them" }).click();
-  check(await soon(async () => (await length.inputValue()) === String(duration)), "unless it is discarded");
-}
-
 /** The forms of the studies, and what becomes of one: its numbers. */
 async function studies() {
   await page.goto(`${address}#/studies`);
@@ -487,7 +470,6 @@ try {
     const first = await flight();
     await views(first);
     await signals(first);
-    await drafts();
     const second = await cut(first);
     await studies();
     await attitude();

@@ -1,11 +1,12 @@
 // Steps of page_test.mjs that need no run of the others: several data sets together, notes, removal, comparisons of couplings and of
 // attitude, carrier phase, a server that ends and is started anew.
 import { execFileSync } from "node:child_process";
-import { cpSync, existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { cpSync, existsSync, mkdirSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { serve } from "./browse.mjs";
+import { formSteps } from "./page_forms.mjs";
 import { live } from "./page_live.mjs";
 import { graticule, tiles } from "./page_maps.mjs";
 import * as quality from "./page_quality.mjs";
@@ -392,7 +393,7 @@ async function languages({ page, address, check, soon }) {
 }
 
 export async function work(t) {
-  const steps = [languages, frame, ...Object.values(quality), batch, comparisons, carrier, papers, receiver, graticule, tiles, live, restart];
+  const steps = [languages, frame, ...formSteps, quality.health, quality.grid, batch, comparisons, carrier, papers, receiver, graticule, tiles, live, restart];
   for (const step of steps.filter((s) => !t.options.steps || t.options.steps.includes(s.name)))
     try {
       await step(t);

@@ -151,7 +151,20 @@ async function events() {
   check(marksOf(many.slice(0, 90)).length === 90, "everything is marked, rests too");
 }
 
-for (const step of [exports_, derivedSignals, palette, events])
+/** Windows without GNSS: clear of the start, inside the log, and found again in the order of a run. */
+async function grids() {
+  const [{ outageGrid, gridOf, usualGrid }] = await modules(options.modules, "pages/outagegrid");
+  const grid = { length: 30, spacing: 100, clear: 120 };
+  check(outageGrid(400, grid).join() === "120:30,220:30,320:30", `windows: ${outageGrid(400, grid)}`);
+  check(outageGrid(350, grid).join() === "120:30,220:30,320:30" && outageGrid(349, grid).length === 2, "the last one ends with the log");
+  check(outageGrid(1000, { ...grid, spacing: 30 }).length === 0 && outageGrid(100, grid).length === 0 && outageGrid(1000, { ...grid, length: NaN }).length === 0, "windows that touch, or have no room, are none");
+  check(JSON.stringify(gridOf(outageGrid(400, grid))) === JSON.stringify(grid), "a run tells its grid");
+  check(JSON.stringify(gridOf(["120:30,220:30"])) === JSON.stringify(grid), "also in one word");
+  check(gridOf(["120:30", "220:30", "330:30"]) === null && gridOf(["1:2"]) === null && gridOf(undefined) === null, "other windows are none");
+  for (const duration of [120, 240, 600, 3600]) check(outageGrid(duration, usualGrid(duration)).length > 1, `a log of ${duration} s has windows: ${outageGrid(duration, usualGrid(duration))}`);
+}
+
+for (const step of [exports_, derivedSignals, palette, events, grids])
   try {
     await step();
   } catch (e) {
