@@ -264,6 +264,8 @@ Json Service::run_now(const std::string& id) const {
     if (const auto job = jobs_.report(id)) {
         run["state"] = name_of(job->state);
         run["progress"] = job->progress;
+        run["stage"] = job->stage;
+        run["spent_s"] = job->spent_s;
         run["message"] = job->message;
     }
     return run;
@@ -272,25 +274,27 @@ Json Service::run_now(const std::string& id) const {
 std::string Service::events_after(std::uint64_t& version) const {
     std::string out;
     for (const JobReport& r : jobs_.changes(version)) {
-        const Json event{{"id", r.id}, {"state", name_of(r.state)}, {"progress", r.progress}, {"message", r.message}};
+        const Json event{{"id", r.id},       {"state", name_of(r.state)}, {"progress", r.progress},
+                         {"stage", r.stage}, {"spent_s", r.spent_s},      {"message", r.message}};
         out += "event: run\ndata: " + event.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n\n";
     }
     return out;
 }
 
 void Service::add_run_routes() {
-    routes_.push_back({"GET",
-                       "/api/events",
-                       "server-sent events \"run\": every change of a run at work",
-                       {},
-                       "",
-                       "text/event-stream of {id, state, progress, message}",
-                       [this](const Request&) {
-                           Reply reply;
-                           reply.type = "text/event-stream";
-                           reply.events = [this, version = std::uint64_t{0}]() mutable { return events_after(version); };
-                           return reply;
-                       }});
+    routes_.push_back(
+        {"GET",
+         "/api/events",
+         "server-sent events \"run\": every change of a run at work",
+         {},
+         "",
+         "text/event-stream of {id, state, progress, stage: reading, simulating, filtering, checking, writing or empty, spent_s: since it was started, message}",
+         [this](const Request&) {
+             Reply reply;
+             reply.type = "text/event-stream";
+             reply.events = [this, version = std::uint64_t{0}]() mutable { return events_after(version); };
+             return reply;
+         }});
     routes_.push_back(
         {"GET",
          "/api/runs",

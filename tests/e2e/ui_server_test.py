@@ -153,6 +153,7 @@ def api(program, source):
         link.close()
         check(states[-1]["state"] == "done" and states[-1]["progress"] == 1.0, f"the events end with the run: {states[-1]}")
         check(any(0.0 < s["progress"] < 1.0 for s in states), "progress is told")
+        check(any(s["stage"] == "filtering" and s["spent_s"] > 0 for s in states), f"and the stage: {states}")
         done = server.finished(run["id"])
         check(
             done["summary"]["reference"] == "truth" and {"report.html", "run.h5", "scenario.toml"} <= set(done["files"]),

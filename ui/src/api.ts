@@ -101,6 +101,8 @@ export interface Run {
   note: string;
   verdict: string | null;
   progress?: number;
+  stage?: string;
+  spent_s?: number;
   /** Of a study. */
   command?: string | null;
   /** As it was ordered. */

@@ -5,6 +5,10 @@ export interface RunEvent {
   id: string;
   state: RunState;
   progress: number;
+  /** What is being done, as "reading"; empty where the program does not say. */
+  stage: string;
+  /** Since the process was started. */
+  spent_s: number;
   message: string;
 }
 
@@ -123,7 +127,7 @@ function listenToRuns(): void {
       (all) =>
         all
           .filter((r) => r.state === "running" || r.state === "waiting" || r.progress !== undefined)
-          .forEach((r) => told({ id: r.id, state: r.state, progress: r.progress ?? 0, message: r.message })),
+          .forEach((r) => told({ id: r.id, state: r.state, progress: r.progress ?? 0, stage: r.stage ?? "", spent_s: r.spent_s ?? 0, message: r.message })),
       () => undefined,
     );
   }, 2000);

@@ -164,7 +164,18 @@ async function grids() {
   for (const duration of [120, 240, 600, 3600]) check(outageGrid(duration, usualGrid(duration)).length > 1, `a log of ${duration} s has windows: ${outageGrid(duration, usualGrid(duration))}`);
 }
 
-for (const step of [exports_, derivedSignals, palette, events, grids])
+/** Time left counts from the start of the process, and is told only where it is known how far the work is. */
+async function progress() {
+  const [{ timeLeft, partDone, progressWords }] = await modules(options.modules, "pages/progress");
+  const at = (more) => ({ id: "a", state: "running", progress: 0.25, stage: "filtering", spent_s: 30, message: "", ...more });
+  check(timeLeft(at({})) === 90, `a quarter in 30 s: ${timeLeft(at({}))}`);
+  check(timeLeft(at({ stage: "checking", progress: 0.99 })) === null && partDone(at({ stage: "checking", progress: 0.99 })) === null, "the end of the filter is not that of the run");
+  check(timeLeft(at({ progress: 0.01 })) === null && timeLeft(at({ spent_s: 0 })) === null, "the first moments say nothing");
+  check(progressWords(at({})) === "filtering and smoothing · 25 % · about 90 s left", progressWords(at({})));
+  check(progressWords(at({ stage: "reading", progress: 0 })) === "reading the logs", progressWords(at({ stage: "reading", progress: 0 })));
+}
+
+for (const step of [exports_, derivedSignals, palette, events, grids, progress])
   try {
     await step();
   } catch (e) {

@@ -1,7 +1,7 @@
 // One run: live while it works, then its views.
 import { api, type Group, type RunDetails } from "../api";
-import { h, icon, replace, saveAs, tell } from "../dom";
-import { number, t } from "../i18n";
+import { h, icon, replace, saveAs, tell as say } from "../dom";
+import { t } from "../i18n";
 import type { Page } from "../page";
 import { said } from "../reasons";
 import { watchRuns, type RunEvent } from "../streams";
@@ -12,6 +12,7 @@ import { happenings, marksOf, type Happening } from "./events";
 import { gravityView } from "./gravity";
 import { noiseView } from "./noise";
 import { documentView } from "./document";
+import { partDone, progressWords } from "./progress";
 import { qualityView } from "./quality";
 import { skyView } from "./sky";
 import { signalsView } from "./signals";
@@ -33,10 +34,16 @@ function plotsView(plots: TimePlot[], linked: Linked, note = ""): View {
 }
 
 async function whileWorking(run: RunDetails, done: () => void): Promise<Page> {
-  const bar = h("progress", { max: 1, value: run.progress ?? 0, "aria-label": t("run.working") });
+  const bar = h("progress", { max: 1, "aria-label": t("run.working") });
   const log = h("pre", { class: "log", tabIndex: 0 });
-  const words = h("p", null, t(run.state === "waiting" ? "run.queue" : "run.working"));
-  const begun = Date.now();
+  const words = h("p", { role: "status" });
+  const tell = (e: RunEvent) => {
+    const part = partDone(e);
+    if (part === null) bar.removeAttribute("value");
+    else bar.value = part;
+    words.textContent = progressWords(e);
+  };
+  tell({ id: run.id, state: run.state, progress: run.progress ?? 0, stage: run.stage ?? "", spent_s: run.spent_s ?? 0, message: "" });
   let over = false;
   const ended = (state: RunDetails["state"]) => {
     if (over || state === "waiting" || state === "running") return;
@@ -51,11 +58,7 @@ async function whileWorking(run: RunDetails, done: () => void): Promise<Page> {
   const timer = window.setInterval(() => void refresh().catch(() => undefined), 1500);
   const stop = watchRuns((e: RunEvent) => {
     if (e.id !== run.id) return;
-    if (e.progress > 0) bar.value = e.progress;
-    else bar.removeAttribute("value");
-    const spent = (Date.now() - begun) / 1000;
-    const left = e.progress > 0.05 && e.progress < 1 ? t("run.left", { s: number((spent * (1 - e.progress)) / e.progress, 2) }) : "";
-    words.textContent = `${t(e.state === "waiting" ? "run.queue" : e.progress > 0 ? "run.working" : "run.preparing")} ${e.progress > 0 ? `${Math.round(100 * e.progress)} %` : ""} ${left}`;
+    tell(e);
     ended(e.state);
   });
   void refresh().catch(() => undefined);
@@ -73,7 +76,7 @@ async function whileWorking(run: RunDetails, done: () => void): Promise<Page> {
         null,
         h(
           "button",
-          { type: "button", onClick: () => void api.cancel(run.id).catch((e: Error) => tell(e.message, "error")) },
+          { type: "button", onClick: () => void api.cancel(run.id).catch((e: Error) => say(e.message, "error")) },
           t("run.cancel"),
         ),
       ),
@@ -307,7 +310,7 @@ async function finished(run: RunDetails, first: string): Promise<Page> {
       }),
       tool(icon("note"), t("note.edit"), () => {
         const text = prompt(t("note.edit"), run.note);
-        if (text !== null) void api.annotate(run.id, text).then(() => ((run.note = text), write()), (e: Error) => tell(e.message, "error"));
+        if (text !== null) void api.annotate(run.id, text).then(() => ((run.note = text), write()), (e: Error) => say(e.message, "error"));
       }),
       tool("✕", t("remove"), () => {
         if (confirm(t("remove.sure", { name: run.title }))) void api.remove(run.id).then(() => (location.hash = "#/"));
