@@ -42,7 +42,8 @@ TEST(Jobs, AResultNotToBeUsedIsDone) {
 
 TEST(Jobs, StageAndTimeOfAJobAreTold) {
     Jobs jobs(1);
-    ASSERT_TRUE(jobs.start(shell("one", "echo stage filtering >&2; echo 'stage of an unknown kind' >&2; sleep 0.4; echo progress 0.5 >&2; sleep 60")));
+    ASSERT_TRUE(jobs.start(shell(
+        "one", "echo stage filtering >&2; echo 'stage of an unknown kind' >&2; sleep 0.4; echo progress 0.5 >&2; sleep 60")));
     std::uint64_t version = 0;
     JobReport last;
     for (int i = 0; i < 100 && last.progress == 0.0; ++i)

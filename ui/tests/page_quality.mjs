@@ -93,3 +93,33 @@ export async function grid(t) {
   await page.getByLabel("length of a window").waitFor();
   check((await page.locator(".task input:checked").getAttribute("value")) === "grid" && (await page.getByLabel("one every").inputValue()) === "40", "running again finds the grid");
 }
+
+/** Forward minus backward, errors in outages, and the settings as the difference to another run. */
+export async function separation(t) {
+  const { page, address, ask, check, soon } = t;
+  dataset(t, "both-ways", 10);
+  const order = (title, more) => ask("api/runs", "POST", { kind: "dataset", dataset: "both-ways", title, ...more });
+  const plain = await order("Plain", { settings: {} });
+  const both = await order("Both ways", { settings: { outage: [{ start_s: 120, duration_s: 30 }] }, arguments: { backward: true } });
+  for (const run of await ended(t, [plain.id, both.id])) check(run.state === "done", `${run.title}: ${run.message}`);
+  await page.goto(`${address}#/run/${both.id}/overview`);
+  await page.locator(".quality").waitFor();
+  const points = (title) =>
+    page.evaluate((title) => {
+      const f = [...document.querySelectorAll("figure.plot")].find((x) => x.querySelector(".plot-title")?.textContent.startsWith(title));
+      f?.scrollIntoView();
+      return f?.plot?.data.y.map((y) => y.filter((v) => v !== null).length) ?? [];
+    }, title);
+  for (const [title, least] of [["forward − backward: position", 50], ["position: difference to the withheld fixes", 20]])
+    check(await soon(async () => (await points(title))[0] > least), `${title}: ${await points(title)}`);
+  await page.locator("summary", { hasText: "Settings and where they come from" }).click();
+  await page.getByLabel("Difference to").selectOption({ label: "Plain" });
+  await page.locator("table.facts thead th", { hasText: "Plain" }).waitFor();
+  const rows = await page.locator("table.facts tbody tr").allInnerTexts();
+  const { facts } = (await ask(`api/runs/${both.id}`)).summary;
+  const others = new Map((await ask(`api/runs/${plain.id}`)).summary.facts.map((f) => [f.key, JSON.stringify(f.value)]));
+  const differ = facts.filter((f) => others.get(f.key) !== JSON.stringify(f.value)).map((f) => f.key);
+  check(differ.length > 0 && differ.length < facts.length, `something differs, and not everything: ${differ}`);
+  check(differ.every((key) => rows.some((r) => r.startsWith(key))), `what differs is told: ${rows}`);
+  check(rows.every((r) => !facts.some((f) => r.startsWith(`${f.key}\t`) && !differ.includes(f.key))), `and nothing else: ${rows}`);
+}

@@ -138,7 +138,6 @@ export async function signalsView(
             unit: bothUnits(plot, false),
             rightUnit: bothUnits(plot, true),
             height: layout.length > 1 ? 190 : 330,
-            mayBeEmpty: true,
             lines: plot.map((s, ink) => ({ label: labelOf(s), ink, ...(s.right ? { right: true } : {}) })),
             load: load(plot),
           },
