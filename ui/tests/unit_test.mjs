@@ -175,7 +175,18 @@ async function progress() {
   check(progressWords(at({ stage: "reading", progress: 0 })) === "reading the logs", progressWords(at({ stage: "reading", progress: 0 })));
 }
 
-for (const step of [exports_, derivedSignals, palette, events, grids, progress])
+/** Distances and sizes of letters are those of the scales; texts of drawings are in the units of the drawing. */
+async function scales() {
+  const css = readFileSync(new URL("../src/style.css", import.meta.url), "utf8").replace(/\/\*[^]*?\*\//g, "");
+  for (const scale of ["space", "font"]) check([...css.matchAll(new RegExp(`--${scale}-\\d:`, "g"))].length >= 6, `a scale of six: ${scale}`);
+  const rules = [...css.matchAll(/([^{}]+)\{([^{}]*)\}/g)].flatMap(([, selector, body]) => body.split(";").map((line) => [selector.trim(), ...line.split(/:(.*)/s).map((x) => x?.trim())]));
+  for (const [selector, property, value] of rules) {
+    if (/^(padding|margin|gap|row-gap|column-gap)/.test(property ?? "")) check(/^((var\(--space-\d\)|calc\(2 \* var\(--space-6\)\)|0|auto|[1-6]px|!important)\s*)+$/.test(value), `${selector}: ${property}: ${value}`);
+    if (property === "font-size" && !/^\.sky-/.test(selector)) check(/^var\(--font-\d\)$/.test(value), `${selector}: ${property}: ${value}`);
+  }
+}
+
+for (const step of [scales, exports_, derivedSignals, palette, events, grids, progress])
   try {
     await step();
   } catch (e) {
