@@ -1,6 +1,6 @@
 // One run: live while it works, then its views.
 import { api, type Group, type RunDetails } from "../api";
-import { h, icon, replace, saveAs, tell as say } from "../dom";
+import { append, h, icon, idle, replace, saveAs, tell as say } from "../dom";
 import { t } from "../i18n";
 import type { Page } from "../page";
 import { said } from "../reasons";
@@ -147,8 +147,12 @@ function shown(tab: (typeof tabs)[number], run: RunDetails, groups: Group[]): bo
 
 async function finished(run: RunDetails, first: string): Promise<Page> {
   const drawn = ["run.h5", "gravity.csv", "epochs.csv", "solution.csv"].some((f) => run.files.includes(f));
-  const [groups, all] = await Promise.all([drawn ? api.channels(run.id) : [], api.runs()]);
-  const others = all.filter((r) => r.id !== run.id && r.state === "done");
+  // the list of all runs is for comparisons alone: the run does not wait for it
+  const others = api.runs().then(
+    (all) => all.filter((r) => r.id !== run.id && r.state === "done"),
+    () => [],
+  );
+  const groups = drawn ? await api.channels(run.id) : [];
   const stops = groups.map((g) => g.stop_s).filter((x): x is number => x !== null);
   const linked = new Linked(0, Math.max(1e-3, ...stops));
   linked.spans = (run.summary?.outages ?? []).map((o) => ({
@@ -161,7 +165,7 @@ async function finished(run: RunDetails, first: string): Promise<Page> {
   // what happened is marked on every axis of time, whichever view is opened first
   let happened: Promise<Happening[]> | null = null;
   const events = () =>
-    (happened ??= happenings(run, groups).then((all) => {
+    (happened ??= idle().then(() => happenings(run, groups)).then((all) => {
       linked.marks = marksOf(all);
       if (linked.marks.length > 0) made.forEach((v) => v.redraw());
       return all;
@@ -280,11 +284,15 @@ async function finished(run: RunDetails, first: string): Promise<Page> {
     "select",
     {
       "aria-label": t("run.compare"),
+      hidden: true,
       onChange: () => (location.hash = `#/compare/${encodeURIComponent(run.id)}/${encodeURIComponent(compare.value)}`),
     },
     h("option", { value: "" }, `${t("run.compare")} …`),
-    ...others.map((r) => h("option", { value: r.id }, r.title)),
   );
+  void others.then((all) => {
+    append(compare, ...all.map((r) => h("option", { value: r.id }, r.title)));
+    compare.hidden = all.length === 0;
+  });
   const element = h(
     "div",
     { class: "run", "data-run": run.id },
@@ -295,7 +303,7 @@ async function finished(run: RunDetails, first: string): Promise<Page> {
       stateBadge(run),
       h("span", { class: "grow" }),
       run.batch && h("a", { class: "button", href: `#/batch/${encodeURIComponent(run.batch)}` }, `${t("batch.title")}: ${run.batch}`),
-      others.length > 0 && compare,
+      compare,
       run.files.includes("scenario.toml") &&
         h("a", { class: "button", href: `#/scenario?run=${encodeURIComponent(run.id)}` }, t("run.again")),
       run.dataset &&
