@@ -27,7 +27,7 @@ async function drafts(t) {
   await page.getByPlaceholder("Find an option").fill("trajectory.type");
   await page.locator("#option-trajectory-type").selectOption("waypoints");
   check(await soon(async () => start.isDisabled()), "no run of settings that the server refuses");
-  check((await start.getAttribute("title")).length > 10 && /Not possible/.test(await page.locator(".note:not([hidden])").first().innerText()), `with the reason: ${await start.getAttribute("title")}`);
+  check((await start.getAttribute("title")).length > 10 && (await page.locator(".bad:not([hidden])").count()) === 1, `with the reason: ${await start.getAttribute("title")}`);
 
   await page.evaluate(() => sessionStorage.clear());
 

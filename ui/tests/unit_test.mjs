@@ -104,6 +104,15 @@ async function derivedSignals() {
   check(drawn.columns[0].includes(50) && drawn.columns[0].includes(null) && drawn.time.length < 1300, `extremes and gaps stay: ${drawn.time.length}`);
 }
 
+/** Which columns are the components of a vector. */
+async function vectors() {
+  const [{ vectorsOf }] = await modules(options.modules, "pages/signals");
+  const of = (...names) => vectorsOf(names.map((name) => ({ name }))).map((v) => `${v.stem}:${v.parts.map((p) => p.name)}`).join("; ");
+  check(of("x", "y", "z") === ":x,y,z" && of("north", "east", "down") === ":north,east,down", `of a table: ${of("x", "y", "z")}`);
+  check(of("gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s", "accel_x_m_s2", "accel_y_m_s2", "accel_z_m_s2", "temp_c") === "gyro_rad_s:gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s; accel_m_s2:accel_x_m_s2,accel_y_m_s2,accel_z_m_s2", `of a log: ${of("gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s")}`);
+  check(of("lat_deg", "lon_deg", "height_m") === "" && of("x", "y") === "", "others are none");
+}
+
 /** Colours of lines are told apart by every reader, and from the surface that they are drawn on. */
 async function palette() {
   check(Math.abs(distance("#ff0000", "#00ff00", "normal") - 170.6) < 0.1, "the distance of red and green");
@@ -186,7 +195,7 @@ async function scales() {
   }
 }
 
-for (const step of [scales, exports_, derivedSignals, palette, events, grids, progress])
+for (const step of [scales, exports_, derivedSignals, vectors, palette, events, grids, progress])
   try {
     await step();
   } catch (e) {

@@ -108,7 +108,8 @@ export class Desk {
     const why = fields ? t("form.mend_first") : this.objection || (reason?.() ?? "");
     start.disabled = why !== "";
     start.title = why;
-    this.obstacle.hidden = why === "";
+    // what the server objects to stands above already
+    this.obstacle.hidden = why === "" || why === this.objection;
     this.obstacle.textContent = `${t("task.not")}: ${why}`;
   }
 

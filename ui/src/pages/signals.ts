@@ -19,6 +19,19 @@ interface Known {
   parts: string[];
 }
 
+/** Columns that are the components of one vector: x, y, z of a table, or gyro_x_rad_s and its like among others. */
+export function vectorsOf<C extends { name: string }>(columns: C[]): { stem: string; parts: C[] }[] {
+  const axes = /^(x,y,z|north,east,down|east,north,up|north,east,up|n,e,d|e,n,u)$/;
+  const by = new Map<string, { axis: string; column: C }[]>();
+  for (const column of columns) {
+    const found = /(^|_)(x|y|z|north|east|down|up|n|e|d|u)(?=_|$)/.exec(column.name);
+    if (!found) continue;
+    const stem = `${column.name.slice(0, found.index)}${found[1]}${column.name.slice(found.index + found[0].length)}`.replace(/__+/, "_").replace(/^_|_$/g, "");
+    by.set(stem, [...(by.get(stem) ?? []), { axis: found[2]!, column }]);
+  }
+  return [...by].filter(([, all]) => axes.test(all.map((a) => a.axis).join())).map(([stem, all]) => ({ stem, parts: all.map((a) => a.column) }));
+}
+
 function catalogue(groups: Group[]): Map<string, Known> {
   const out = new Map<string, Known>();
   for (const g of groups) {
@@ -30,12 +43,12 @@ function catalogue(groups: Group[]): Map<string, Known> {
       out.set(c.id, { id: c.id, group: g.group, label: words, unit: unit(c.unit), parts: [c.id] });
       tables.set(path, [...(tables.get(path) ?? []), { id: c.id, name, unit: c.unit }]);
     }
-    for (const [path, columns] of tables) {
-      const names = columns.map((c) => c.name).join();
-      if (!/^(x,y,z|north,east,down|east,north,up|north,east,up)$/.test(names)) continue;
-      const id = `norm:${path}`;
-      out.set(id, { id, group: g.group, label: `|${path.slice(g.group.length + 1).replaceAll("_", " ")}|`, unit: unit(columns[0]!.unit), parts: columns.map((c) => c.id) });
-    }
+    for (const [path, columns] of tables)
+      for (const { stem, parts } of vectorsOf(columns)) {
+        const id = `norm:${path}${stem}`;
+        const words = `${path.slice(g.group.length + 1).replace(/^table$/, "")} ${stem}`.replaceAll("_", " ").trim();
+        out.set(id, { id, group: g.group, label: `|${words}|`, unit: unit(parts[0]!.unit), parts: parts.map((c) => c.id) });
+      }
   }
   return out;
 }
