@@ -2,6 +2,7 @@
 // the extremes of intervals a derivative or a mean would be another number.
 import type { Range } from "../api";
 import { derived, norm, type Operation } from "../plots/derive";
+import { firstFrom } from "../plots/linked";
 import type { Data } from "../plots/settings";
 import { sameTimes, thinned } from "../plots/thin";
 import { withoutJumps } from "./attitude";
@@ -84,9 +85,8 @@ export function signalLoader(source: Source, parts: (id: string) => string[]) {
     }
     const made = derived(a.time, v, s.operation ?? "raw", s.seconds ?? 1);
     // one row beyond each end: the line reaches the edges of the plot
-    const first = from === undefined ? 0 : Math.max(0, a.time.findIndex((x) => x >= from) - 1);
-    const beyond = to === undefined ? -1 : a.time.findIndex((x) => x > to);
-    const last = beyond < 0 ? a.time.length : beyond + 1;
+    const first = from === undefined ? 0 : Math.max(0, firstFrom(a.time, from) - 1);
+    const last = to === undefined ? a.time.length : firstFrom(a.time, to) + 1;
     return { time: a.time.slice(first, last), values: made.slice(first, last), thinned: few };
   };
   return (signals: Signal[]) =>

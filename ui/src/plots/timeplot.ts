@@ -199,15 +199,18 @@ export class TimePlot {
       const b = Math.min(bbox.left + bbox.width, u.valToPos(s.to, "x", true));
       if (b > a) ctx.fillRect(a, bbox.top, b - a, bbox.height);
     }
-    // what happened, as short strokes at the upper edge
-    for (const m of this.linked.marks) {
-      const x = u.valToPos(m.at, "x", true);
-      if (x < bbox.left || x > bbox.left + bbox.width || this.settings.along) continue;
-      ctx.strokeStyle = css(m.paint);
-      ctx.lineWidth = 1.5 * devicePixelRatio;
+    // what happened, as short strokes at the upper edge: a path of each colour
+    const marks = this.settings.along ? [] : this.linked.marks.filter((m) => m.at >= this.linked.from && m.at <= this.linked.to);
+    ctx.lineWidth = 1.5 * devicePixelRatio;
+    for (const paint of new Set(marks.map((m) => m.paint))) {
+      ctx.strokeStyle = css(paint);
       ctx.beginPath();
-      ctx.moveTo(x, bbox.top);
-      ctx.lineTo(x, bbox.top + 9 * devicePixelRatio);
+      for (const m of marks) {
+        if (m.paint !== paint) continue;
+        const x = u.valToPos(m.at, "x", true);
+        ctx.moveTo(x, bbox.top);
+        ctx.lineTo(x, bbox.top + 9 * devicePixelRatio);
+      }
       ctx.stroke();
     }
     ctx.restore();
