@@ -59,6 +59,7 @@ def commands(program, source):
         refused(server, "GET", "/api/datasets/none/noise", 404)
 
         every_row(server, Path(folder))
+        microseconds(server)
         forms(server)
         attitude(server, Path(folder))
         batches(server)
@@ -82,6 +83,17 @@ def every_row(server, folder):
         check(series["thinned"] != whole and series["rows"] == rows, f"{name}: thinned {series['thinned']}, {series['rows']} rows")
         check((len(series["time_s"]) == rows) == whole, f"{name}: {len(series['time_s'])} rows are given")
         check(series["time_s"][-1] == (rows - 1) / 100, f"{name}: to the end: {series['time_s'][-1]}")
+
+
+def microseconds(server):
+    """Times of a log that has them in another unit are drawn in seconds; a column with gaps keeps its extremes."""
+    name = server.json("POST", "/api/datasets", {"title": "fast"})["name"]
+    head = "time_us,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2,note_m"
+    rows = [f"{5_000_000 + 10_000 * i},0.1,0,0,0,0,-9.81,{'' if i % 7 else 3 + (i == 777)}" for i in range(4000)]
+    server.json("PUT", f"/api/datasets/{name}/files/imu.csv", ("\n".join([head, *rows]) + "\n").encode(), 201)
+    raw = server.json("GET", f"/api/datasets/{name}/raw?file=imu.csv&points=100")
+    check(abs(raw["time_s"][-1] - 39.99) < 1e-9 and abs(raw["zero"] - 5.0) < 1e-9, f"in seconds: {raw['time_s'][-1]}, {raw['zero']}")
+    check(raw["thinned"] and 4 in raw["columns"]["note_m"], "the extreme of a column with gaps is kept")
 
 
 def forms(server):
