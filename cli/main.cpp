@@ -74,6 +74,7 @@ report::Outcome perform(const cli::CommandLine& line, const CLI::App& parser, co
         cli::ProgressBar bar(!line.quiet && (!team || team->rank() == 0), line.progress == "lines");
         const app::CommandContext context{.version = SCHULER_VERSION,
                                           .progress = [&bar](double done_part) { bar.show(done_part); },
+                                          .stage = [&bar](std::string_view what) { bar.stage(what); },
                                           .threads = line.threads,
                                           .team = team};
         const auto given = cli::settings_of(*command, line, parser);

@@ -63,7 +63,8 @@ void add_listed(CLI::App& parser, CommandLine& line, const app::Command& command
     }
     if (!command.json.empty()) app->add_flag("--json", line.json, command.json);
     if (command.runs)
-        app->add_option("--progress", line.progress, "lines: \"progress 0.5\" on standard error, for programs")
+        app->add_option("--progress", line.progress,
+                        "lines: \"progress 0.5\" and \"stage reading\" on standard error, for programs")
             ->check(CLI::IsMember({"lines"}))
             ->type_name("FORM");
 }

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <string_view>
 
 namespace schuler::cli {
 
@@ -32,6 +33,11 @@ public:
         bar[50] = '\0';
         std::fprintf(stderr, "\r[%s] %3d %%", bar, percent);
         std::fflush(stderr);
+    }
+
+    /// For a reading program; the bar itself shows none.
+    void stage(std::string_view what) const {
+        if (lines_) std::fprintf(stderr, "stage %.*s\n", static_cast<int>(what.size()), what.data());
     }
 
 private:

@@ -6,11 +6,12 @@
 #   scripts/build_ui.sh FOLDER --update    and puts it into ui/bundle
 #   scripts/build_ui.sh FOLDER --check     and compares it with ui/bundle byte by byte; exit status 1 when they differ
 #
+# Exit status 1 also when the types do not fit (where TypeScript is installed) or the page has 400 KiB or more compressed.
 # Exit status 77 when Node 18 or npm is missing or npm reaches no registry. The packages are those of ui/package-lock.json, kept in
 # FOLDER/node_modules; their install scripts are not run. The same sources and the same lock give the same bytes.
 set -euo pipefail
 root=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
-[ $# -ge 1 ] || { sed -n 's/^# \{0,1\}//; 2,10p' "$0" >&2; exit 2; }
+[ $# -ge 1 ] || { sed -n 's/^# \{0,1\}//; 2,11p' "$0" >&2; exit 2; }
 mkdir -p "$1"
 folder=$(cd "$1" && pwd) mode=${2:-}
 
@@ -36,8 +37,20 @@ if [ "$(cat "$folder/packages" 2>/dev/null)" != "$sum" ]; then
     echo "$sum" >"$folder/packages"
 fi
 ln -sfn "$folder/node_modules" "$folder/src/node_modules"
+# Vite removes the types without a look at them.
+if [ -x "$folder/node_modules/.bin/tsc" ]; then
+    (cd "$folder/src" && node_modules/.bin/tsc --noEmit) || { echo "the types of ui/ do not fit" >&2; exit 1; }
+fi
 (cd "$folder/src" && node_modules/.bin/vite build --outDir "$folder/dist" --emptyOutDir --logLevel warn) >"$folder/vite.log" 2>&1 || {
     cat "$folder/vite.log" >&2
+    exit 1
+}
+
+# What a browser is sent the first time, or later for another language: each file compressed by itself.
+limit_kib=400
+bytes=$(find "$folder/dist" -type f -exec gzip -9nc {} + | wc -c)
+[ "$bytes" -lt $((limit_kib * 1024)) ] || {
+    echo "the page has $((bytes / 1024)) KiB compressed; $limit_kib are allowed" >&2
     exit 1
 }
 

@@ -1,23 +1,18 @@
 #include "serve/aside.h"
 
 #include "schuler/core/error.h"
-#include "schuler/core/log.h"
-#include "schuler/io/streams.h"
-#include "schuler/io/text/table.h"
-#include "schuler/report/decimate.h"
 #include "serve/message.h"
+#include "serve/raw_log.h"
 #include "serve/results.h"
 
 #include <fmt/format.h>
 
 #include <malloc.h>
 
-#include <algorithm>
-#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <span>
 #include <sstream>
 
 namespace schuler::serve {
@@ -57,50 +52,10 @@ Json read_all(const fs::path& folder) {
     return {{"read", true}};
 }
 
-/// The columns of a log unchanged, decimated for drawing; times from the first row on.
-Json raw_columns(const fs::path& file) {
-    constexpr std::size_t most_columns = 60, most_points = 3000;
-    WarningLog warnings;
-    io::LogFiles files;
-    const io::TextInput input = files.open(file, warnings);
-    const io::TableLayout layout = io::inspect_table(input);
-    std::vector<io::FieldRequest> fields;
-    for (int c = 0; c < layout.columns && fields.size() < most_columns; ++c) {
-        io::FieldRequest field;
-        field.column = c;
-        field.name = static_cast<std::size_t>(c) < layout.names.size() ? layout.names[static_cast<std::size_t>(c)]
-                                                                       : fmt::format("column {}", c + 1);
-        fields.push_back(field);
-    }
-    std::vector<std::vector<double>> values(fields.size());
-    io::TableReader reader(input, layout, fields);
-    while (reader.next())
-        for (std::size_t c = 0; c < fields.size(); ++c) values[c].push_back(reader.number(c));
-    const auto time =
-        std::ranges::find_if(fields, [](const io::FieldRequest& f) { return f.name.find("time") != std::string::npos; });
-    const std::size_t t = time == fields.end() ? 0 : static_cast<std::size_t>(time - fields.begin());
-    const std::size_t rows = values.empty() ? 0 : values.front().size();
-    const double zero = rows > 0 && std::isfinite(values[t].front()) ? values[t].front() : 0.0;
-    std::vector<std::span<const double>> channels;
-    for (const auto& v : values)
-        if (std::ranges::all_of(v, [](double x) { return std::isfinite(x); })) channels.emplace_back(v);
-    std::vector<std::size_t> chosen;
-    if (channels.empty() || rows <= most_points)
-        for (std::size_t r = 0; r < rows; r += std::max<std::size_t>(1, rows / most_points)) chosen.push_back(r);
-    else chosen = report::decimate(channels, most_points * 2);
-    Json out{{"rows", rows},
-             {"zero", zero},
-             {"time", rows > 0 ? fields[t].name : ""},
-             {"time_s", Json::array()},
-             {"columns", Json::object()}};
-    for (const std::size_t r : chosen) out["time_s"].push_back(values[t][r] - zero);
-    for (std::size_t c = 0; c < fields.size(); ++c) {
-        if (c == t) continue;
-        Json column = Json::array();
-        for (const std::size_t r : chosen) column.push_back(std::isfinite(values[c][r]) ? Json(values[c][r]) : Json(nullptr));
-        out["columns"][fields[c].name] = std::move(column);
-    }
-    return out;
+/// "0 600 3000": range and number of points of a request.
+RawRequest raw_request(const char* file, const char* from, const char* to, const char* points) {
+    return {file, std::strtod(from, nullptr), std::strtod(to, nullptr),
+            static_cast<std::size_t>(std::strtoul(points, nullptr, 10))};
 }
 
 }  // namespace
@@ -113,7 +68,8 @@ int aside(int count, const char* const* arguments) noexcept {
         Json out;
         if (task == "understand" && count == 3) out = understand(arguments[1], fs::absolute(arguments[2]));
         else if (task == "read" && count == 2) out = read_all(arguments[1]);
-        else if (task == "raw" && count == 2) out = raw_columns(arguments[1]);
+        else if (task == "raw" && count == 5)
+            out = raw_columns(raw_request(arguments[1], arguments[2], arguments[3], arguments[4]));
         else return 2;
         fmt::print("{}\n", out.dump(-1, ' ', false, Json::error_handler_t::replace));
         return std::fflush(stdout) == 0 ? 0 : 1;

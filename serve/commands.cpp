@@ -88,22 +88,29 @@ void Service::add_kept_routes() {
                            }
                            return json_reply(out);
                        }});
-    routes_.push_back(
-        {"GET",
-         "/api/datasets/{dataset}/raw",
-         "the columns of one of its logs before anything is processed, decimated",
-         {{"file", "string", "its path as in inspect, also of one instrument of a log: log.ulg#imu"}},
-         "",
-         "{rows, zero, time, time_s, columns: {name: []}}",
-         [=, this](const Request& r) {
-             const fs::path folder = workspace_.dataset_folder(r.parts[0]);
-             const std::string given = r.asked("file");
-             const std::size_t mark = given.find('#');
-             fs::path file = folder;
-             for (const std::string& part : io::split(given.substr(0, mark), '/')) file = inside(file, part);
-             if (mark != std::string::npos) file += given.substr(mark);
-             return json_reply(asked_of_program("log", {std::string(aside_word), "raw", file.string()}, folder, {}, 60.0));
-         }});
+    routes_.push_back({"GET",
+                       "/api/datasets/{dataset}/raw",
+                       "the columns of one of its logs before anything is processed, decimated",
+                       {{"file", "string", "its path as in inspect, also of one instrument of a log: log.ulg#imu"},
+                        {"from", "number", "start of the range, s after the first row"},
+                        {"to", "number", "end of the range; left out: everything"},
+                        {"points", "integer",
+                         "approximate number of rows, extremes kept (default 3000); 0: every row, at most 2 million numbers"}},
+                       "",
+                       "{rows, thinned, zero, time, time_s, columns: {name: []}, units: {name: unit}}",
+                       [=, this](const Request& r) {
+                           const fs::path folder = workspace_.dataset_folder(r.parts[0]);
+                           const std::string given = r.asked("file");
+                           const std::size_t mark = given.find('#');
+                           fs::path file = folder;
+                           for (const std::string& part : io::split(given.substr(0, mark), '/')) file = inside(file, part);
+                           if (mark != std::string::npos) file += given.substr(mark);
+                           return json_reply(asked_of_program(
+                               "log",
+                               {std::string(aside_word), "raw", file.string(), fmt::format("{}", number_of(r, "from", 0.0)),
+                                fmt::format("{}", number_of(r, "to", 0.0)), fmt::format("{}", points_of(r, 3000))},
+                               folder, {}, 60.0));
+                       }});
     routes_.push_back({"GET",
                        "/api/layouts",
                        "the layouts of plots that are kept in the workspace",

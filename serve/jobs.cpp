@@ -65,6 +65,10 @@ struct Jobs::Child {
     std::string partial[2];  ///< incomplete lines of standard output and standard error
     bool cancelled = false, too_late = false;
     Clock::time_point begin{};
+
+    [[nodiscard]] double spent_s() const {
+        return report.state == JobState::Running ? std::chrono::duration<double>(Clock::now() - begin).count() : 0.0;
+    }
 };
 
 Jobs::Jobs(std::size_t at_once, std::function<void(const JobReport&)> finished)
@@ -129,7 +133,10 @@ bool Jobs::forget(const std::string& id) {
 std::optional<JobReport> Jobs::report(const std::string& id) const {
     const std::lock_guard lock(mutex_);
     const auto it = std::ranges::find(children_, id, [](const Child& c) { return c.order.id; });
-    return it == children_.end() ? std::nullopt : std::optional(it->report);
+    if (it == children_.end()) return std::nullopt;
+    JobReport out = it->report;
+    out.spent_s = it->spent_s();
+    return out;
 }
 
 bool Jobs::busy(const std::string& id) const {
@@ -157,6 +164,8 @@ std::vector<JobReport> Jobs::changes(std::uint64_t& version) const {
         r.id = child.report.id;
         r.state = child.report.state;
         r.progress = child.report.progress;
+        r.stage = child.report.stage;
+        r.spent_s = child.spent_s();
         r.message = child.report.message;
     }
     version = version_;
@@ -212,10 +221,13 @@ void Jobs::launch(Child& child) {
 }
 
 void Jobs::take_line(Child& child, const std::string& line) {
-    constexpr std::string_view mark = "progress ";
+    constexpr std::string_view mark = "progress ", stage_mark = "stage ";
     JobReport& r = child.report;
     if (line.starts_with(mark)) {
         r.progress = std::clamp(std::strtod(line.c_str() + mark.size(), nullptr), 0.0, 1.0);
+    } else if (line.starts_with(stage_mark) &&
+               line.find_first_not_of("abcdefghijklmnopqrstuvwxyz", stage_mark.size()) == line.npos) {
+        r.stage = line.substr(stage_mark.size());
     } else {
         r.log += line + "\n";
         if (r.log.size() > largest_log) r.log.erase(0, r.log.size() - largest_log / 2);

@@ -37,6 +37,8 @@ struct JobReport {
     std::string id;
     JobState state = JobState::Waiting;
     double progress = 0.0;  ///< 0 to 1, from lines "progress 0.5" on the child's standard error
+    std::string stage;      ///< what it is doing, from lines "stage reading"
+    double spent_s = 0.0;   ///< since it was started
     int exit_status = -1;   ///< of the program; -1: none
     std::string message;    ///< the last line of its error output, or how it ended
     std::string output, log;

@@ -4,6 +4,11 @@
 #include "serve/forms.h"
 #include "serve/message.h"
 
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdlib>
 #include <string>
 
 namespace schuler::serve {
@@ -20,6 +25,24 @@ namespace schuler::serve {
     const std::string title = body.contains("title") ? body["title"].get<std::string>() : otherwise;
     if (title.empty() || title.size() > 200) throw Refusal{422, "a title has 1 to 200 bytes", {}, "title"};
     return title;
+}
+
+/// A number of the query. @throws Refusal 422
+[[nodiscard]] inline double number_of(const Request& r, const std::string& name, double otherwise) {
+    const std::string given = r.asked(name);
+    if (given.empty()) return otherwise;
+    char* end = nullptr;
+    const double x = std::strtod(given.c_str(), &end);
+    if (*end != '\0' || !std::isfinite(x)) throw Refusal{422, fmt::format("{} is not a number", name), {}, name};
+    return x;
+}
+
+/// The number of rows that is asked for; 0: all. @throws Refusal 422
+[[nodiscard]] inline std::size_t points_of(const Request& r, std::size_t otherwise) {
+    constexpr double most = 20'000.0;
+    const double points = number_of(r, "points", static_cast<double>(otherwise));
+    if (points < 0.0 || points > most) throw Refusal{422, "points is from 0 to 20000", {}, "points"};
+    return static_cast<std::size_t>(points);
 }
 
 }  // namespace schuler::serve

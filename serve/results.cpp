@@ -116,9 +116,10 @@ void append(std::string& out, const std::vector<double>& values, const std::vect
 /// Rows to send: all, or the extremes in each bucket of every column with numbers there.
 std::vector<std::size_t> chosen_rows(std::size_t first, std::size_t last, const std::vector<const std::vector<double>*>& values,
                                      std::size_t points) {
-    const std::size_t wanted = points == 0 ? most_rows : points;
+    // of too many rows the extremes: the first of them alone would be taken for all
+    if (points == 0) points = last - first <= most_whole_rows ? most_whole_rows : most_rows;
     std::vector<std::size_t> rows;
-    if (last - first > wanted && points > 0) {
+    if (last - first > points) {
         std::vector<std::span<const double>> channels;
         for (const auto* v : values) {
             const std::span<const double> part(v->data() + first, last - first);
@@ -128,7 +129,7 @@ std::vector<std::size_t> chosen_rows(std::size_t first, std::size_t last, const 
         for (std::size_t& r : rows) r += first;
     }
     if (rows.empty())
-        for (std::size_t r = first; r < last && rows.size() < std::max(wanted, most_rows); ++r) rows.push_back(r);
+        for (std::size_t r = first; r < last && rows.size() < std::max(points, most_rows); ++r) rows.push_back(r);
     return rows;
 }
 

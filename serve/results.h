@@ -26,10 +26,11 @@ struct ColumnTable {
 struct SeriesRequest {
     std::vector<std::string> columns;
     double from = 0.0, to = 0.0;  ///< s on the run's axis; equal: all
-    std::size_t points = 2000;    ///< approximate number of rows returned; 0: every row, up to `most_rows`
+    std::size_t points =
+        2000;  ///< approximate number of rows returned; 0: every row, or `most_rows` of more than `most_whole_rows`
 };
 
-inline constexpr std::size_t most_rows = 20'000;
+inline constexpr std::size_t most_rows = 20'000, most_whole_rows = 500'000;
 
 /// {group, time_s: [], columns: {"PATH:NAME": []}, units: {}, rows, thinned}: `rows` in the range; "thinned": decimated to fewer.
 [[nodiscard]] std::string series_text(const ColumnTable& time, const std::vector<const std::vector<double>*>& values,

@@ -35,15 +35,6 @@ std::string note_of(const Json& body) {
     return note;
 }
 
-double number_of(const Request& r, const std::string& name, double otherwise) {
-    const std::string given = r.asked(name);
-    if (given.empty()) return otherwise;
-    char* end = nullptr;
-    const double x = std::strtod(given.c_str(), &end);
-    if (*end != '\0' || !std::isfinite(x)) throw Refusal{422, fmt::format("{} is not a number", name), {}, name};
-    return x;
-}
-
 SeriesRequest series_request(const Request& r) {
     SeriesRequest out;
     const std::string columns = r.asked("columns");
@@ -54,9 +45,7 @@ SeriesRequest series_request(const Request& r) {
     }
     out.from = number_of(r, "from", 0.0);
     out.to = number_of(r, "to", 0.0);
-    const double points = number_of(r, "points", 2000.0);
-    if (points < 0.0 || points > 20000.0) throw Refusal{422, "points is from 0 to 20000", {}, "points"};
-    out.points = static_cast<std::size_t>(points);
+    out.points = points_of(r, 2000);
     return out;
 }
 
@@ -275,6 +264,8 @@ Json Service::run_now(const std::string& id) const {
     if (const auto job = jobs_.report(id)) {
         run["state"] = name_of(job->state);
         run["progress"] = job->progress;
+        run["stage"] = job->stage;
+        run["spent_s"] = job->spent_s;
         run["message"] = job->message;
     }
     return run;
@@ -283,25 +274,27 @@ Json Service::run_now(const std::string& id) const {
 std::string Service::events_after(std::uint64_t& version) const {
     std::string out;
     for (const JobReport& r : jobs_.changes(version)) {
-        const Json event{{"id", r.id}, {"state", name_of(r.state)}, {"progress", r.progress}, {"message", r.message}};
+        const Json event{{"id", r.id},       {"state", name_of(r.state)}, {"progress", r.progress},
+                         {"stage", r.stage}, {"spent_s", r.spent_s},      {"message", r.message}};
         out += "event: run\ndata: " + event.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n\n";
     }
     return out;
 }
 
 void Service::add_run_routes() {
-    routes_.push_back({"GET",
-                       "/api/events",
-                       "server-sent events \"run\": every change of a run at work",
-                       {},
-                       "",
-                       "text/event-stream of {id, state, progress, message}",
-                       [this](const Request&) {
-                           Reply reply;
-                           reply.type = "text/event-stream";
-                           reply.events = [this, version = std::uint64_t{0}]() mutable { return events_after(version); };
-                           return reply;
-                       }});
+    routes_.push_back(
+        {"GET",
+         "/api/events",
+         "server-sent events \"run\": every change of a run at work",
+         {},
+         "",
+         "text/event-stream of {id, state, progress, stage: reading, simulating, filtering, checking, writing or empty, spent_s: since it was started, message}",
+         [this](const Request&) {
+             Reply reply;
+             reply.type = "text/event-stream";
+             reply.events = [this, version = std::uint64_t{0}]() mutable { return events_after(version); };
+             return reply;
+         }});
     routes_.push_back(
         {"GET",
          "/api/runs",
@@ -431,7 +424,8 @@ void Service::add_result_routes() {
     const std::vector<Parameter> range{
         {"from", "number", "start of the range, s"},
         {"to", "number", "end of the range, s; left out: everything"},
-        {"points", "integer", "approximate number of rows, extremes kept (default 2000); 0: every row, at most 20000"}};
+        {"points", "integer",
+         "approximate number of rows, extremes kept (default 2000); 0: every row, or of more than 500000 rows about 20000"}};
     routes_.push_back(
         {"GET",
          "/api/runs/{run}/channels",

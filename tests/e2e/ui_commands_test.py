@@ -58,11 +58,42 @@ def commands(program, source):
         refused(server, "GET", f"/api/runs/{many}/noise/x", 404)
         refused(server, "GET", "/api/datasets/none/noise", 404)
 
+        every_row(server, Path(folder))
+        microseconds(server)
         forms(server)
         attitude(server, Path(folder))
         batches(server)
         kept(server, program, folder, order)
     live(program)
+
+
+def every_row(server, folder):
+    """Every row is every row, to the end; of too many the extremes, from the beginning to the end."""
+    for name, rows in (("many", 30_000), ("too-many", 510_000)):
+        run = folder / "work" / name
+        run.mkdir()
+        (run / "run.json").write_text(json.dumps({"title": name, "created": 1, "kind": "dataset", "state": "done"}))
+        (run / "summary.json").write_text("{}")
+        with open(run / "solution.csv", "w") as file:
+            file.write("time_s,roll_deg\n")
+            file.writelines(f"{i / 100},{i % 700 / 10}\n" for i in range(rows))
+        path = f"/api/runs/{name}/series?columns=/attitude/table:roll_deg&points=0"
+        series = server.json("GET", path)
+        whole = rows < 500_000
+        check(series["thinned"] != whole and series["rows"] == rows, f"{name}: thinned {series['thinned']}, {series['rows']} rows")
+        check((len(series["time_s"]) == rows) == whole, f"{name}: {len(series['time_s'])} rows are given")
+        check(series["time_s"][-1] == (rows - 1) / 100, f"{name}: to the end: {series['time_s'][-1]}")
+
+
+def microseconds(server):
+    """Times of a log that has them in another unit are drawn in seconds; a column with gaps keeps its extremes."""
+    name = server.json("POST", "/api/datasets", {"title": "fast"})["name"]
+    head = "time_us,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2,note_m"
+    rows = [f"{5_000_000 + 10_000 * i},0.1,0,0,0,0,-9.81,{'' if i % 7 else 3 + (i == 777)}" for i in range(4000)]
+    server.json("PUT", f"/api/datasets/{name}/files/imu.csv", ("\n".join([head, *rows]) + "\n").encode(), 201)
+    raw = server.json("GET", f"/api/datasets/{name}/raw?file=imu.csv&points=100")
+    check(abs(raw["time_s"][-1] - 39.99) < 1e-9 and abs(raw["zero"] - 5.0) < 1e-9, f"in seconds: {raw['time_s'][-1]}, {raw['zero']}")
+    check(raw["thinned"] and 4 in raw["columns"]["note_m"], "the extreme of a column with gaps is kept")
 
 
 def forms(server):

@@ -153,6 +153,7 @@ def api(program, source):
         link.close()
         check(states[-1]["state"] == "done" and states[-1]["progress"] == 1.0, f"the events end with the run: {states[-1]}")
         check(any(0.0 < s["progress"] < 1.0 for s in states), "progress is told")
+        check(any(s["stage"] == "filtering" and s["spent_s"] > 0 for s in states), f"and the stage: {states}")
         done = server.finished(run["id"])
         check(
             done["summary"]["reference"] == "truth" and {"report.html", "run.h5", "scenario.toml"} <= set(done["files"]),
@@ -210,6 +211,22 @@ def api(program, source):
         refused(server, "POST", "/api/about", 405, body="{}")
 
 
+def raw_log(server, name):
+    """The columns of a log as they are: few rows of everything, every row of a range, the units of their names."""
+    path = f"/api/datasets/{name}/raw?file=imu.csv"
+    few, all_rows = server.json("GET", path + "&points=500"), server.json("GET", path + "&points=0")
+    check(few["thinned"] and len(few["time_s"]) < 1500 and few["rows"] > 5000, f"a log is thinned: {few['rows']}")
+    check(not all_rows["thinned"] and len(all_rows["time_s"]) == few["rows"], "or every row is given")
+    column = "gyro_x_rad_s"
+    for extreme in (min, max):
+        check(extreme(few["columns"][column]) == extreme(all_rows["columns"][column]), "extremes are kept")
+    check(few["units"][column] == "rad/s" and few["units"]["accel_z_m_s2"] == "m/s^2", f"units: {few['units']}")
+    part = server.json("GET", path + "&points=0&from=50&to=51")
+    inside = [(t, x) for t, x in zip(all_rows["time_s"], all_rows["columns"][column]) if 50 <= t <= 51]
+    check(list(zip(part["time_s"], part["columns"][column]))[1:-1] == inside, "a range with one row beyond each end")
+    refused(server, "GET", path + "&points=x", 422)
+
+
 def datasets(program, source):
     """Uploads become a data set that is looked at and processed; broken ones are told apart; failed runs leave no results."""
     with tempfile.TemporaryDirectory() as folder, Server(program, folder, "--max-upload", "8") as server:
@@ -225,6 +242,7 @@ def datasets(program, source):
         kinds = {f["path"]: f["kind"] for f in found["files"]}
         check(kinds.get("imu.csv") == "imu" and kinds.get("gnss.csv") == "gnss", f"what is in the files: {kinds}")
         check(found["form"]["problem"] is None and found["form"]["settings"]["imu.file"] == "imu.csv", "the form of a data set")
+        raw_log(server, name)
         order = {"kind": "dataset", "dataset": name, "title": "cut", "settings": {"outage": [{"start_s": 110, "duration_s": 20}]}}
         done = server.finished(server.json("POST", "/api/runs", order, 201)["id"])
         check(done["state"] == "done" and len(done["summary"]["outages"]) == 1, f"the data set is processed: {done['message']}")

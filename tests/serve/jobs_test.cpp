@@ -40,6 +40,24 @@ TEST(Jobs, AResultNotToBeUsedIsDone) {
     EXPECT_EQ(ends("nothing printed", "exit 1", {}, true), JobState::Failed);
 }
 
+TEST(Jobs, StageAndTimeOfAJobAreTold) {
+    Jobs jobs(1);
+    ASSERT_TRUE(jobs.start(shell(
+        "one", "echo stage filtering >&2; echo 'stage of an unknown kind' >&2; sleep 0.4; echo progress 0.5 >&2; sleep 60")));
+    std::uint64_t version = 0;
+    JobReport last;
+    for (int i = 0; i < 100 && last.progress == 0.0; ++i)
+        for (const JobReport& r : jobs.changes(version)) last = r;
+    EXPECT_EQ(last.stage, "filtering");
+    EXPECT_EQ(last.progress, 0.5);
+    EXPECT_GE(last.spent_s, 0.4) << "from the start of the process, whoever asks";
+    EXPECT_LT(last.spent_s, 30.0);
+    EXPECT_GE(jobs.report("one")->spent_s, last.spent_s);
+    EXPECT_EQ(jobs.report("one")->log, "stage of an unknown kind\n");
+    EXPECT_TRUE(jobs.cancel("one"));
+    EXPECT_EQ(jobs.wait("one").state, JobState::Cancelled);
+}
+
 TEST(JobsThreads, ManyJobsEndAsTheyShould) {
     std::atomic<int> told{0};
     Jobs jobs(3, [&](const JobReport&) { ++told; });

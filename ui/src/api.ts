@@ -101,6 +101,8 @@ export interface Run {
   note: string;
   verdict: string | null;
   progress?: number;
+  stage?: string;
+  spent_s?: number;
   /** Of a study. */
   command?: string | null;
   /** As it was ordered. */
@@ -132,6 +134,8 @@ export interface Summary {
   events?: unknown;
   /** Epochs of carrier phase against a base, by what their ambiguities are. */
   carrier?: { epochs: number; fixed: number; float: number; single: number } | null;
+  /** What each source was doing, in order of source and time. */
+  health?: Health[] | null;
   integrity?: { alerts: { time_s: number; channel: string; test: string; size: number | null }[] } | null;
   findings?: Record<string, unknown> | null;
   facts?: Fact[] | null;
@@ -155,6 +159,15 @@ export interface Outage {
   end_vertical_m: number | null;
   max_3d_m: number | null;
   inside_3sigma: boolean | null;
+}
+
+export interface Health {
+  source: string;
+  state: string;
+  from_s: number;
+  to_s: number;
+  samples: number;
+  used: number;
 }
 
 /** A setting and how it is known. */
@@ -194,6 +207,18 @@ export interface Series {
   rows: number;
   thinned: boolean;
   time_s: number[];
+  columns: Record<string, (number | null)[]>;
+  units: Record<string, string>;
+}
+
+/** Columns of a log before anything is processed. */
+export interface Raw {
+  rows: number;
+  thinned: boolean;
+  /** The first time as written, s, and the name of its column; `time_s` counts from there. */
+  zero: number;
+  time: string;
+  time_s: (number | null)[];
   columns: Record<string, (number | null)[]>;
   units: Record<string, string>;
 }
@@ -329,10 +354,8 @@ export const api = {
   },
   difference: (run: string, other: string, range: Range = {}, signal?: AbortSignal) =>
     get<Series>(`/api/runs/${id(run)}/difference?${ranged(new URLSearchParams({ with: other }), range)}`, signal),
-  raw: (name: string, file: string) =>
-    get<{ rows: number; zero: number; time: string; time_s: (number | null)[]; columns: Record<string, (number | null)[]> }>(
-      `/api/datasets/${id(name)}/raw?file=${id(file)}`,
-    ),
+  raw: (name: string, file: string, range: Range = {}, signal?: AbortSignal) =>
+    get<Raw>(`/api/datasets/${id(name)}/raw?${ranged(new URLSearchParams({ file }), range)}`, signal),
   commands: () => get<CommandForm[]>("/api/commands"),
   studies: () => get<CommandForm[]>("/api/studies"),
   papers: () => get<{ paper: string; items: PaperItem[] }[]>("/api/papers"),
@@ -363,86 +386,4 @@ export function upload(dataset: string, file: File, path: string, progress: (par
     request.onerror = () => reject(new Error(t("server.silent")));
     request.send(file);
   });
-}
-
-export interface RunEvent {
-  id: string;
-  state: RunState;
-  progress: number;
-  message: string;
-}
-
-type Listener = (e: RunEvent) => void;
-const listeners = new Set<Listener>();
-/** Refused: a server answers, but it was started anew and has another token. */
-export type ServerState = "alive" | "gone" | "refused";
-const connection = new Set<(state: ServerState) => void>();
-let server: ServerState = "alive";
-let watching = false;
-
-function told(event: RunEvent): void {
-  for (const each of [...listeners]) each(event);
-}
-
-function connected(now: ServerState): void {
-  if (now === server) return;
-  server = now;
-  for (const each of connection) each(now);
-}
-
-/** Tells when the server stops answering, and when it answers again. */
-export function watchServer(listener: (state: ServerState) => void): void {
-  connection.add(listener);
-  window.setInterval(() => {
-    if (document.hidden && server === "alive") return;
-    void fetch("/api/about", { signal: AbortSignal.timeout(6000) }).then(
-      (r) => connected(r.status === 401 ? "refused" : "alive"),
-      () => connected("gone"),
-    );
-  }, 4000);
-}
-
-/** A browser opens six connections to a server at most: of all tabs one listens to it and passes on what it hears. */
-function listen(): void {
-  watching = true;
-  const channel = typeof BroadcastChannel === "undefined" ? null : new BroadcastChannel("schuler.runs");
-  if (channel) channel.onmessage = (e: MessageEvent<RunEvent>) => told(e.data);
-  const open = () =>
-    new Promise<void>(() => {
-      let source: EventSource;
-      const connect = () => {
-        source = new EventSource("/api/events");
-        source.addEventListener("run", (e) => {
-          const event = JSON.parse((e as MessageEvent<string>).data) as RunEvent;
-          told(event);
-          channel?.postMessage(event);
-        });
-      };
-      connect();
-      // the browser connects again by itself after a break, but not after a refusal
-      connection.add((state) => {
-        if (state === "alive" && source.readyState === EventSource.CLOSED) connect();
-      });
-    });
-  if (channel && navigator.locks) void navigator.locks.request("schuler.events", open);
-  else if (!channel) void open();
-  else
-    // without locks (a page by plain HTTP from another machine) each tab asks now and then
-    window.setInterval(() => {
-      if (document.hidden || listeners.size === 0) return;
-      void api.runs().then(
-        (all) =>
-          all
-            .filter((r) => r.state === "running" || r.state === "waiting" || r.progress !== undefined)
-            .forEach((r) => told({ id: r.id, state: r.state, progress: r.progress ?? 0, message: r.message })),
-        () => undefined,
-      );
-    }, 2000);
-}
-
-/** Tells of every change of a run at work; returns what ends that. */
-export function watchRuns(listener: Listener): () => void {
-  listeners.add(listener);
-  if (!watching) listen();
-  return () => listeners.delete(listener);
 }

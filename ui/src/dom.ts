@@ -50,6 +50,25 @@ export function quietly<A extends unknown[]>(ms: number, f: (...a: A) => void): 
   };
 }
 
+/** Calls `f` no more often than every `ms`, also while it is asked for all the time. */
+export function steadily(ms: number, f: () => void): () => void {
+  let waits = false;
+  return () => {
+    if (waits) return;
+    waits = true;
+    window.setTimeout(() => {
+      waits = false;
+      f();
+    }, ms);
+  };
+}
+
+/** Once the browser has nothing better to do, but soon. */
+export function idle(): Promise<void> {
+  const latest = 1500;
+  return new Promise((done) => (window.requestIdleCallback ? window.requestIdleCallback(() => done(), { timeout: latest }) : window.setTimeout(done, 200)));
+}
+
 export function saveAs(blob: Blob, name: string): void {
   const link = h("a", { href: URL.createObjectURL(blob), download: name });
   link.click();

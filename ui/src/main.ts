@@ -12,7 +12,7 @@ import { livePage } from "./pages/live";
 import { runPage } from "./pages/run";
 import { startPage } from "./pages/start";
 import { studiesPage } from "./pages/studies";
-import { watchServer } from "./api";
+import { watchServer } from "./streams";
 
 type Theme = "auto" | "light" | "dark";
 const themes: Theme[] = ["auto", "light", "dark"];

@@ -1,20 +1,30 @@
 // Every example and every real data set through the page of `schuler ui`: runs all of them, opens every tab of every run and every data
-// set, and fails on a console error, an error text, an empty plot or a page wider than its window.
+// set, and fails on a console error, an error text, an empty plot, a page wider than its window, an example that is refused or fails, and a
+// set that cannot be processed and is not listed below with the reason.
 //   node page_all.mjs --program SCHULER --modules NODE_MODULES [--data FOLDER] [--only WORD] [--shots FOLDER] [--width PIXELS] [--examples no]
+//                     [--dist UI_BUNDLE] [--table FILE]
+// --table: what was opened, as the table of docs/ui.md.
 // Exit status 0 passed, 1 failed, 77 skipped.
-import { cpSync, existsSync, mkdirSync, mkdtempSync, readdirSync, rmSync, statSync } from "node:fs";
+import { cpSync, existsSync, mkdirSync, mkdtempSync, readdirSync, rmSync, statSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { browse, optionsOf, serve, visitTabs } from "./browse.mjs";
 
 const options = optionsOf(process.argv.slice(2));
+/** Sets of which the task that the page offers first cannot be done, and why. */
+const hopeless = {
+};
 const folder = mkdtempSync(join(tmpdir(), "schuler_all_"));
 const { browser, page } = await browse(options, options.width ? { viewport: { width: Number(options.width), height: 844 } } : {});
 const { entrance, address, ask, stop } = await serve(options.program, folder);
 let failures = 0;
 const complaints = [];
+/** What was opened: name, task or kind, tabs, state. Failures are counted by name. */
+const opened = new Map();
+const faults = new Map();
 const fail = (where, what) => {
   ++failures;
+  faults.set(where, (faults.get(where) ?? 0) + 1);
   console.error(`FAILED: ${where}: ${what}`);
 };
 page.on("pageerror", (e) => complaints.push(`error on the page: ${e.message}`));
@@ -35,24 +45,28 @@ const finished = async (id) => {
     await new Promise((r) => setTimeout(r, 300));
   }
 };
-const visit = async (name, id) => {
+const visit = async (name, id, what) => {
   complaints.length = 0;
   const { tabs, wrong } = await visitTabs(page, address, id, { shot: options.shots ? (tab) => shot(`${name}-${tab}`) : null });
   for (const w of [...wrong, ...complaints]) fail(name, w);
+  opened.set(name, { what, tabs, end: (await ask(`api/runs/${id}`)).state });
   console.log(`${name}: ${tabs.join(" ")}`);
 };
 
-/** A run that cannot be is no fault of the page as long as it says why. */
-const through = async (name, order, path = "api/runs") => {
+/** An example or a study is there to be run: refused or failed it is a fault. */
+const through = async (name, order, what, path = "api/runs") => {
   const begun = await ask(path, "POST", order);
-  if (begun.error) return console.log(`${name}: refused: ${begun.error.text}`);
+  if (begun.error) return fail(name, `refused: ${begun.error.text}`);
   const run = await finished(begun.id);
-  if (run.state !== "done") {
-    if (!run.message) fail(name, "failed without a word");
-    console.log(`${name}: ${run.state}: ${run.message}`);
-  }
-  await visit(name, begun.id);
+  if (run.state !== "done") fail(name, `${run.state}: ${run.message || "without a word"}`);
+  await visit(name, begun.id, what);
   return begun.id;
+};
+
+/** The table of docs/ui.md. */
+const table = () => {
+  const row = ([name, { what, tabs, end }]) => `| ${name} | ${what} | ${tabs.length}: ${tabs.join(", ")} | ${end}${hopeless[name] ? `: ${hopeless[name]}` : ""} | ${faults.get(name) ?? 0} |`;
+  return ["| set | what was run | tabs opened | ended | errors |", "|---|---|---|---|---|", ...[...opened].map(row)].join("\n") + "\n";
 };
 
 try {
@@ -62,10 +76,12 @@ try {
   for (const { name, toml } of plain) {
     const { settings } = await ask("api/settings?of=scenario", "POST", { toml });
     const gravity = Object.keys(settings ?? {}).some((k) => k.startsWith("gravity.") || k.startsWith("anomaly"));
-    await through(name, { kind: "scenario", title: name, toml, command: gravity ? "gravity" : "run" });
+    await through(name, { kind: "scenario", title: name, toml, command: gravity ? "gravity" : "run" }, `example, ${gravity ? "gravity" : "run"}`);
   }
-  for (const study of (await ask("api/studies")).filter((s) => !s.input && wanted(s.command) && options.examples !== "no"))
-    await through(study.command.replace(" ", "-"), { command: study.command, title: study.command, settings: {} }, "api/studies");
+  // of those that need nothing but their defaults
+  const alone = (s) => !s.input && !(s.accepts ?? []).includes("recording") && !s.options.some((o) => o.required);
+  for (const study of (await ask("api/studies")).filter((s) => alone(s) && wanted(s.command) && options.examples !== "no"))
+    await through(study.command.replace(" ", "-"), { command: study.command, title: study.command, settings: {} }, "study", "api/studies");
   const data = options.data && existsSync(options.data) ? readdirSync(options.data).filter((d) => statSync(join(options.data, d)).isDirectory() && wanted(d)) : [];
   if (data.length === 0) console.log("no data sets: give --data FOLDER");
   for (const name of data) {
@@ -90,6 +106,8 @@ try {
     if (!task || (await button.isDisabled())) {
       const why = await page.locator(".note:not([hidden])").allInnerTexts();
       if (why.length === 0) fail(name, "nothing can be started and no reason is told");
+      else if (!hopeless[name]) fail(name, `cannot be processed: ${why.join(" ")}`);
+      opened.set(name, { what: "data page", tabs: [], end: "not started" });
       console.log(`${name}: ${why.join(" ")}`);
       continue;
     }
@@ -98,9 +116,11 @@ try {
     const run = decodeURIComponent(/#\/run\/([^/]+)/.exec(page.url())?.[1] ?? "");
     if (!run) continue;
     const end = await finished(run);
-    if (task === "gnss" && end.state !== "done") fail(name, `GNSS alone: ${end.message}`);
-    if (end.state !== "done") console.log(`${name} (${task}): ${end.state}: ${end.message}`);
-    await visit(name, run);
+    if (end.state !== "done") {
+      if (!hopeless[name]) fail(name, `${task}: ${end.state}: ${end.message}`);
+      console.log(`${name} (${task}): ${end.state}: ${end.message}`);
+    } else if (hopeless[name]) fail(name, "is processed by now: take it off the list");
+    await visit(name, run, task);
   }
 } catch (e) {
   fail("test", String(e.stack ?? e));
@@ -109,5 +129,6 @@ try {
   await stop();
   rmSync(folder, { recursive: true, force: true });
 }
+if (options.table) writeFileSync(options.table, table());
 console.log(`page_all: ${failures} failures`);
 process.exit(failures ? 1 : 0);

@@ -194,29 +194,23 @@ async function signals(id) {
   const shown = () => page.evaluate(() => document.querySelector("figure.plot").plot.data.y.map((y) => y.filter((v) => v !== null).length));
   check(await soon(async () => (await shown()).length === 2 && (await shown()).every((n) => n > 100)), `two signals are drawn: ${await shown()}`);
   check((await page.evaluate(() => document.querySelector("figure.plot").plot.settings.lines.map((l) => Boolean(l.right)))).join() === "false,true", "another unit has the other axis");
+  // a box zooms the axis at the right too
+  const right = () => page.evaluate(() => { const { min, max } = document.querySelector("figure.plot").plot.shown.scales.y2; return max - min; });
+  const area = await page.locator("figure.plot .u-over").first().boundingBox();
+  const before = await right();
+  await page.mouse.move(area.x + 0.2 * area.width, area.y + 0.3 * area.height);
+  await page.mouse.down();
+  await page.mouse.move(area.x + 0.7 * area.width, area.y + 0.3 * area.height + 80, { steps: 6 });
+  await page.mouse.up();
+  check(await soon(async () => (await right()) < 0.6 * before), `a box zooms the right axis: ${before} to ${await right()}`);
+  await page.locator("figure.plot").first().getByRole("button", { name: /Show everything/ }).click();
+  check(await soon(async () => Math.abs((await right()) - before) < 1e-6 * before), "and back");
   await page.locator(".signal-chip select").first().selectOption("integral");
   check(await soon(async () => /integral/.test(await page.locator(".signal-card .plot-title").innerText())), "a derived signal");
   page.once("dialog", (d) => void d.accept("mine"));
   await page.getByRole("button", { name: "Keep this layout" }).click();
   check(await soon(async () => Array.isArray((await ask("api/layouts"))?.mine)), "the layout is in the workspace");
   await shot("ui-signals");
-}
-
-/** What is typed survives a reload; a field that holds no value keeps the run from starting. */
-async function drafts() {
-  await page.goto(address);
-  await page.goto(`${address}#/scenario?example=uav-mems`);
-  const length = page.locator("#option-duration_s");
-  await length.waitFor();
-  await length.fill("ten");
-  check(await page.locator("button.primary.run").isDisabled(), "no run of a field without a value");
-  await length.fill("555");
-  check(await soon(async () => page.locator("button.primary.run").isEnabled()), "and again with one");
-  await page.reload();
-  await length.waitFor();
-  check((await length.inputValue()) === "555", "a reload keeps what was typed");
-  await page.getByRole("button", { name: "Discard them" }).click();
-  check(await soon(async () => (await length.inputValue()) === String(duration)), "unless it is discarded");
 }
 
 /** The forms of the studies, and what becomes of one: its numbers. */
@@ -476,7 +470,6 @@ try {
     const first = await flight();
     await views(first);
     await signals(first);
-    await drafts();
     const second = await cut(first);
     await studies();
     await attitude();

@@ -1,16 +1,17 @@
 // Steps of page_test.mjs that need no run of the others: several data sets together, notes, removal, comparisons of couplings and of
 // attitude, carrier phase, a server that ends and is started anew.
-import { execFileSync, spawn } from "node:child_process";
-import { once } from "node:events";
-import { createServer } from "node:net";
-import { cpSync, existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { execFileSync } from "node:child_process";
+import { cpSync, existsSync, mkdirSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
-import { deflateSync } from "node:zlib";
 import { serve } from "./browse.mjs";
+import { formSteps } from "./page_forms.mjs";
+import { live } from "./page_live.mjs";
+import { graticule, tiles } from "./page_maps.mjs";
+import * as quality from "./page_quality.mjs";
 
-const drive = (seed) => `name = "drive"
+export const drive = (seed) => `name = "drive"
 duration_s = 240
 seed = ${seed}
 [trajectory]
@@ -25,7 +26,7 @@ rate_hz = 2
 receiver = "rtk"
 `;
 
-const ended = async ({ ask, page }, ids) => {
+export const ended = async ({ ask, page }, ids) => {
   const runs = [];
   for (const id of ids)
     for (;;) {
@@ -267,114 +268,6 @@ async function carrier(t) {
   await t.tabs("carrier phase", id);
 }
 
-/** A PNG of one pixel. */
-function pixel(...rgb) {
-  const crc = (bytes) => {
-    let c = ~0;
-    for (const b of bytes) for (let k = 0, x = (c ^= b); k < 8; ++k) c = x = x & 1 ? (x >>> 1) ^ 0xedb88320 : x >>> 1;
-    return ~c >>> 0;
-  };
-  const chunk = (name, data) => {
-    const body = Buffer.concat([Buffer.from(name), data]),
-      out = Buffer.alloc(body.length + 8);
-    out.writeUInt32BE(data.length, 0), body.copy(out, 4), out.writeUInt32BE(crc(body), body.length + 4);
-    return out;
-  };
-  const head = Buffer.from([0, 0, 0, 1, 0, 0, 0, 1, 8, 2, 0, 0, 0]);
-  return Buffer.concat([Buffer.from("89504e470d0a1a0a", "hex"), chunk("IHDR", head), chunk("IDAT", deflateSync(Buffer.from([0, ...rgb]))), chunk("IEND", Buffer.alloc(0))]);
-}
-
-/** Lines of latitude and longitude lie under a track, at round steps and where a table of the ellipsoid has them. */
-async function graticule(t) {
-  const { page, address, ask, check, soon, options } = t;
-  const { id } = await ask("api/runs", "POST", { kind: "scenario", title: "Lines", toml: drive(6) });
-  await ended(t, [id]);
-  await page.goto(`${address}#/run/${id}/overview`);
-  await page.locator(`.run[data-run="${id}"] .plan-canvas`).waitFor();
-  const drawn = (scale) =>
-    page.evaluate((scale) => {
-      const { plan } = document.querySelector(".run figure.plan");
-      plan.centre = { east: 0, north: 0 };
-      plan.scale = scale;
-      plan.fitted = true;
-      plan.draw();
-      return plan.lines;
-    }, scale);
-  check(await soon(async () => /″/.test((await drawn(1)).parallels[0]?.label ?? "")), "lines of degrees");
-  const { parallels, meridians } = await drawn(1);
-  const line = (all, label) => all.find((l) => l.label === label)?.at ?? NaN;
-  const near = (x, y, by) => Math.abs(x - y) < by;
-  // the drive begins at 50 deg north, 8 deg east; there a degree has 111 229 m northward and 71 696 m eastward
-  check(near(line(parallels, "50°00′00″N"), 0, 3) && near(line(meridians, "8°00′00″E"), 0, 3), `the start lies on them: ${JSON.stringify([parallels, meridians])}`);
-  check(near(line(parallels, "50°00′05″N") - line(parallels, "49°59′55″N"), (2 * 5 * 111229) / 3600, 0.1), `parallels: ${JSON.stringify(parallels)}`);
-  check(near(line(meridians, "8°00′10″E") - line(meridians, "7°59′50″E"), (2 * 10 * 71696) / 3600, 0.1), `meridians: ${JSON.stringify(meridians)}`);
-  const shapes = [[0.01, /^\d+°\d\d′[NE]$/], [0.001, /^\d+°(\d\d′)?[NE]$/], [100, /^\d+°\d\d′\d\d\.\d{1,2}″[NE]$/], [1e-5, /^-?\d+$/]];
-  for (const [scale, shape] of shapes) {
-    for (const all of Object.values(await drawn(scale)).map((lines) => lines.map((l) => l.label)))
-      check(all.length > 1 && all.length < 30 && all.every((x) => shape.test(x)) && new Set(all).size === all.length, `lines at ${scale} pixels a metre: ${all}`);
-  }
-  const beyond = await page.evaluate(() => {
-    const { plan } = document.querySelector(".run figure.plan");
-    const of = (plane, scale) => ((plan.plane = plane), (plan.scale = scale), plan.draw(), Object.values(plan.lines).map((all) => all.map((l) => l.label)));
-    return [of({ lat: -0.001, lon: 179.999 }, 0.5), of({ lat: 89.99, lon: 0 }, 1)];
-  });
-  check(beyond[0][0].includes("180°00′00″W") || beyond[0][0].includes("180°00′00″E"), `the date line: ${beyond[0][0]}`);
-  check(beyond[0][0].some((x) => /^179°59′\d\d″W$/.test(x)) && beyond[0][0].some((x) => /^179°59′\d\d″E$/.test(x)), `and beyond: ${beyond[0][0]}`);
-  check(beyond[0][1].includes("0°00′00″") && beyond[0][1].some((x) => /S$/.test(x)) && beyond[0][1].some((x) => /N$/.test(x)), `the equator: ${beyond[0][1]}`);
-  check(beyond[1].flat().length === 0, `none at the pole: ${beyond[1]}`);
-  await page.reload();
-  await page.locator(`.run[data-run="${id}"] .plan-canvas`).waitFor();
-  await page.waitForTimeout(600);
-  if (options.shots) await page.locator("figure.plan").screenshot({ path: join(options.shots, "ui-graticule.png") });
-}
-
-/** Tiles of a folder lie under the track where they belong: the edge of two of them is 140 m west of the start at 8 degrees east. */
-async function tiles(t) {
-  const { page, check, options } = t;
-  const folder = mkdtempSync(join(tmpdir(), "schuler_tiles_"));
-  for (let x = 8553; x < 8560; ++x)
-    for (let y = 5545; y < 5560; ++y) {
-      mkdirSync(join(folder, "tiles", "14", String(x)), { recursive: true });
-      writeFileSync(join(folder, "tiles", "14", String(x), `${y}.png`), x < 8556 ? pixel(0, 0, 255) : pixel(255, 0, 0));
-    }
-  const server = await serve(options.program, folder, ["--tiles", join(folder, "tiles")]);
-  const tab = await page.context().newPage();
-  const complaints = [];
-  tab.on("console", (m) => m.type() === "error" && complaints.push(m.text()));
-  try {
-    await tab.goto(server.entrance);
-    const { id } = await server.ask("api/runs", "POST", { kind: "scenario", title: "Over a map", toml: drive(5) });
-    await ended({ ask: server.ask, page }, [id]);
-    await tab.goto(`${server.address}#/run/${id}/overview`);
-    await tab.locator(".plan-canvas").waitFor();
-    const seen = () =>
-      tab.evaluate(() => {
-        const { plan } = document.querySelector("figure.plan"),
-          { canvas } = plan;
-        const at = (east, north) => [...canvas.getContext("2d").getImageData(...plan.place(east, north).map((v) => Math.round(v * devicePixelRatio)), 1, 1).data];
-        const edge = -((8 - ((8556 / 16384) * 360 - 180)) * Math.PI / 180) * 6378137 / Math.sqrt(1 - 0.00669437999014 * Math.sin(50 * Math.PI / 180) ** 2) * Math.cos(50 * Math.PI / 180);
-        plan.centre = { east: edge, north: 40 };   // the edge of the tiles in the middle
-        plan.scale = 1;
-        plan.fitted = true;
-        plan.paint();
-        return { drawn: plan.tiles?.drawn ?? 0, edge, west: at(edge - 6, 60), east: at(edge + 6, 60) };
-      });
-    const right = ({ drawn, west, east }) => drawn >= 2 && west[2] > west[0] + 80 && east[0] > east[2] + 80;
-    for (let i = 0; i < 50 && !right(await seen()); ++i) await tab.waitForTimeout(100);
-    const last = await seen(),
-      { drawn, edge, west, east } = last;
-    check(right(last), `the map lies under the track: ${drawn} tiles, the edge ${edge} m, west of it ${west}, east ${east}`);
-    check(complaints.length === 0, `a tile that is not there is no fault: ${complaints}`);
-    const outside = await fetch(`${server.address}api/tiles/14/../x`, { headers: { Authorization: `Bearer ${server.token}` } });
-    check(outside.status >= 400, `names that are no numbers: ${outside.status}`);
-    if (options.shots) await tab.screenshot({ path: join(options.shots, "ui-tiles.png") });
-  } finally {
-    await tab.close();
-    await server.stop();
-    rmSync(folder, { recursive: true, force: true });
-  }
-}
-
 /** The server ends: the page says so. It is started anew, with another token: that too; and all is well with the new address. */
 async function restart(t) {
   const { page, check, options } = t;
@@ -474,119 +367,6 @@ async function receiver(t) {
   check((await page.locator("#option-receiver-rate_hz").inputValue()) !== "" && (await page.locator("#option-receiver-jammer").isVisible()), "the receiver of a scenario has its fields");
 }
 
-const freePort = () =>
-  new Promise((found) => {
-    const s = createServer().listen(0, "127.0.0.1", () => {
-      const { port } = s.address();
-      s.close(() => found(port));
-    });
-  });
-
-/** What a receiver says about its satellites, at the port of `schuler live`. */
-async function sky({ check, soon, accessible, options }, tab, port) {
-  const readers = new Set();
-  const receiver = createServer((s) => (readers.add(s), s.on("error", () => undefined)));
-  await new Promise((done) => receiver.listen(port, "127.0.0.1", done));
-  const tell = (satellites) => readers.forEach((s) => s.write(JSON.stringify({ type: "satellites", time_s: 1, satellites }) + "\n"));
-  const seen = (name, elevation_deg, azimuth_deg, cn0_db_hz, used) => ({ name, elevation_deg, azimuth_deg, cn0_db_hz, used });
-  const card = tab.locator(".live-sky");
-  try {
-    check(!(await card.isVisible()), "no satellites without messages of them");
-    await tab.locator(".live-link", { hasText: "Messages of" }).waitFor();
-    tell([seen("G05", 30, 120, 44, true), seen("R06", 80, 300, 39, true), seen("E11", 5, 359, null, false), seen("S23", null, null, 20, false), 7, {}]);
-    await card.getByText("2 used of 4 in view").waitFor();
-    check((await card.locator(".sky-name").allTextContents()).join() === "G05,R06,E11", "those whose place is known stand in the sky");
-    check((await card.locator(".sky-now.status-0").count()) === 2, "two of them are used");
-    const rows = await card.locator("tbody tr").allInnerTexts();
-    check(rows.length === 4 && /^G05\s+44\s+30\s+120\s+yes$/.test(rows[0]) && /^S23\s+20\s+–\s+–\s+no$/.test(rows[3]), `the list: ${rows}`);
-    check((await tab.evaluate(() => document.documentElement.scrollWidth - innerWidth)) <= 1, "satellites: wider than a phone");
-    await accessible("satellites, live", tab);
-    for (const [name, width, height] of [["ui-live-sky-390", 390, 844], ["ui-live-sky", 1440, 900]]) {
-      await tab.setViewportSize({ width, height });
-      await tab.waitForTimeout(300);
-      if (options.shots) await card.screenshot({ path: join(options.shots, `${name}.png`) });
-    }
-    tell([seen("G07", 10, 10, 30, false)]);
-    check(await soon(async () => (await card.locator(".sky-name").allTextContents()).join() === "G07"), "the next message replaces them");
-    const said = () => card.locator("p").first().innerText();
-    await tab.evaluate(() => {
-      const now = Date.now;
-      Date.now = () => now() + 12_000;
-    });
-    check(await soon(async () => /No message about satellites/.test(await said())), `a receiver that falls silent is told: ${await said()}`);
-  } finally {
-    readers.forEach((s) => s.destroy());
-    receiver.close();
-  }
-}
-
-/** A drive replayed to `schuler live`, whose messages the page shows: nothing yet, navigation, the end. */
-async function live(t) {
-  const { page, check, options, accessible } = t;
-  const folder = mkdtempSync(join(tmpdir(), "schuler_live_"));
-  const [samples, messages] = [await freePort(), await freePort()];
-  writeFileSync(join(folder, "drive.toml"), drive(4));
-  execFileSync(options.program, ["simulate", join(folder, "drive.toml"), "-o", join(folder, "drive")], { stdio: "ignore" });
-  let text = readFileSync(join(folder, "drive", "dataset.toml"), "utf8").replace("smooth = true", "smooth = false");
-  text = text.split(/^(?=\[)/m).filter((part) => !/^\[(output|reference)\]/.test(part)).join("");
-  for (const section of ["imu", "gnss"])
-    text = text.replace(new RegExp(`(\\[${section}\\]\n)file = .*\n`), `$1source = "tcp-listen://127.0.0.1:${samples}"\nformat = "json"\n`);
-  writeFileSync(join(folder, "live.toml"), `${text}\n[live]\nlag_s = 0.5\nhealth_every_s = 0.2\n[[output]]\nto = "tcp-listen://127.0.0.1:${messages}"\nrate_hz = 10\n`);
-  const begun = [];
-  const begin = (...words) => {
-    const child = spawn(options.program, words, { cwd: folder, stdio: ["ignore", "ignore", "pipe"] });
-    child.told = "";
-    child.stderr.on("data", (d) => (child.told += d));
-    begun.push(child);
-    return child;
-  };
-  const server = await serve(options.program, folder, ["--live", `tcp://127.0.0.1:${messages}`]);
-  const tab = await page.context().newPage();
-  const complaints = [];
-  tab.on("pageerror", (e) => complaints.push(e.message));
-  try {
-    await tab.goto(server.entrance);
-    await tab.getByRole("link", { name: "Live", exact: true }).click();
-    await tab.locator(".live-link", { hasText: "No connection" }).waitFor();
-    const navigator = begin("live", "live.toml");
-    await tab.locator(".live-link", { hasText: "Messages of" }).waitFor();
-    begin("replay", join("drive", "dataset.toml"), "--to", `tcp://127.0.0.1:${samples}`, "--speed", "8");
-    await tab.locator(".stat", { hasText: "navigating" }).waitFor().catch(() => check(false, `it does not navigate: ${navigator.told.slice(-300)}`));
-    const drawn = () =>
-      tab.evaluate(() => [...document.querySelectorAll(".live figure.plot")].filter((f) => f.plot).map((f) => f.plot.data.y.flat().filter((v) => v !== null).length));
-    for (let i = 0; i < 80 && (await drawn())[0] < 300; ++i) await tab.waitForTimeout(100);
-    check((await drawn())[0] >= 300, `the plots grow: ${await drawn()}`);
-    check(/(49\.99|50\.00)\d+°, 8\.0\d+°/.test(await tab.locator(".stats").innerText()), `where it is: ${await tab.locator(".stats").innerText()}`);
-    const taken = async () => Number(await tab.locator("tr", { has: tab.getByRole("rowheader", { name: "gnss", exact: true }) }).locator("td").first().innerText());
-    check((await taken()) > 10, `health of the receiver: ${await taken()}`);
-    check(/phase: navigating/.test(await tab.locator(".live-events").innerText()), "events are listed");
-    const before = (await drawn())[0];
-    check(await t.soon(async () => (await drawn())[0] > before), `and go on growing: ${before}, ${await drawn()}`);
-    let faded = 0;
-    for (let i = 0; i < 25; ++i) {
-      faded += await tab.evaluate(() => [...document.querySelectorAll(".live .u-series")].filter((e) => !["", "1"].includes(e.style.opacity)).length);
-      await tab.waitForTimeout(60);
-    }
-    check(faded === 0, `no line fades unless the mouse is near it: ${faded}`);
-    if (options.shots) await tab.screenshot({ path: join(options.shots, "ui-live.png") });
-    await tab.setViewportSize({ width: 390, height: 844 });
-    await tab.waitForTimeout(500);
-    check((await tab.evaluate(() => document.documentElement.scrollWidth - innerWidth)) <= 1, "live: wider than a phone");
-    if (options.shots) await tab.screenshot({ path: join(options.shots, "ui-live-390.png"), fullPage: true });
-    await accessible("live", tab);
-    navigator.kill("SIGTERM");
-    await once(navigator, "exit");
-    await tab.locator(".live-link", { hasText: "No connection" }).waitFor();
-    await sky(t, tab, messages);
-    check(complaints.length === 0, `live: ${complaints}`);
-  } finally {
-    await tab.close();
-    for (const child of begun) child.kill("SIGKILL");
-    await server.stop();
-    rmSync(folder, { recursive: true, force: true });
-  }
-}
-
 /** Options in another language: names, sentences, ranges, what is wrong; and the ten that matter first. */
 async function languages({ page, address, check, soon }) {
   for (const [language, name, sentence, range, wrong] of [
@@ -613,7 +393,7 @@ async function languages({ page, address, check, soon }) {
 }
 
 export async function work(t) {
-  const steps = [languages, frame, batch, comparisons, carrier, papers, receiver, graticule, tiles, live, restart];
+  const steps = [languages, frame, ...formSteps, quality.health, quality.grid, quality.separation, batch, comparisons, carrier, papers, receiver, graticule, tiles, live, restart];
   for (const step of steps.filter((s) => !t.options.steps || t.options.steps.includes(s.name)))
     try {
       await step(t);

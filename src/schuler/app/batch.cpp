@@ -175,6 +175,7 @@ void process_entry(Entry& e, const BatchRequest& request, const fs::path& folder
     one.input = e.input;
     one.output = folder;
     one.progress = {};
+    one.stage = {};
     try {
         take_summary(e, process_dataset(one).json);
         report::write_text(folder / entry_file, report::text_of(Json{{"identity", identity}, {"entry", json_of(e)}}));

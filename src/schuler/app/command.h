@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace schuler::app {
@@ -15,9 +16,10 @@ namespace schuler::app {
 /// Context supplied to every command by an interface.
 struct CommandContext {
     std::string version{};
-    std::function<void(double)> progress{};  ///< fraction done; may be empty
-    int threads = 0;                         ///< limit of simultaneous runs if a request does not set it; 0: one per core
-    std::shared_ptr<Team> team{};            ///< the processes started together with this one; null: none
+    std::function<void(double)> progress{};         ///< fraction done; may be empty
+    std::function<void(std::string_view)> stage{};  ///< what is being done, as "reading"; may be empty
+    int threads = 0;                                ///< limit of simultaneous runs if a request does not set it; 0: one per core
+    std::shared_ptr<Team> team{};                   ///< the processes started together with this one; null: none
 };
 
 struct Command {

@@ -150,6 +150,7 @@ report::Outcome finished(solution::ResultBundle& bundle, const settings::Process
         };
     };
     const WarningLog before = warnings;
+    request.begin("filtering");
     solution::fuse_and_evaluate(bundle, warnings, solution::internal_rate(bundle.data), request.progress, into(stream));
     if (stream && fusion::may_realign(bundle.data.config.filter) &&
         fusion::diverged_at(bundle.result)) {  // realigned only if its rows have not been written yet
@@ -157,6 +158,7 @@ report::Outcome finished(solution::ResultBundle& bundle, const settings::Process
         warnings = before;
         solution::fuse_and_evaluate(bundle, warnings, solution::internal_rate(bundle.data), request.progress, {});
     }
+    request.begin("checking");
     if (bundle.command == "process" && check_what_is_stated(bundle, into(checked), warnings)) stream = std::move(checked);
     checked.reset();
     if (bundle.command == "process" && check_itself(bundle, into(widened), warnings)) stream = std::move(widened);
@@ -191,6 +193,7 @@ report::Outcome finished(solution::ResultBundle& bundle, const settings::Process
     bundle.warnings = warnings.summary();
     bundle.verdict = solution::verdict_of(solution::evidence_of(bundle, warnings));
 
+    request.begin("writing");
     const auto write_begin = std::chrono::steady_clock::now();
     // summary.json contains the writing time of the other files, so it is written last
     if (stream) stream->finish();
@@ -216,6 +219,7 @@ report::Outcome finished(solution::ResultBundle& bundle, const settings::Process
 
 report::Outcome process_dataset(const settings::ProcessRequest& request) {
     const auto begin = std::chrono::steady_clock::now();
+    request.begin("reading");
     const settings::SettingList over = request.over({});
     const bool satellites_only = std::ranges::any_of(over, [](const settings::Setting& s) {
         return s.key == "filter.scheme" && s.value.text() != nullptr && *s.value.text() == "gnss";
@@ -240,6 +244,7 @@ report::Outcome process_dataset(const settings::ProcessRequest& request) {
 
 report::Outcome run_scenario(const settings::ProcessRequest& request) {
     const auto begin = std::chrono::steady_clock::now();
+    request.begin("simulating");
     const settings::ScenarioConfig scenario = settings::read_scenario(request.input, request.seed);
     if (!scenario.compared.empty() && !request.names_a_scheme()) return study::compare_schemes(request);
     WarningLog warnings;

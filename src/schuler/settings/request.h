@@ -8,6 +8,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 
 namespace schuler::settings {
 
@@ -19,7 +20,12 @@ struct ProcessRequest {
     SettingList above;
     std::optional<std::uint64_t> seed;  ///< of a scenario
     std::string version;
-    std::function<void(double)> progress;  ///< may be empty
+    std::function<void(double)> progress;         ///< may be empty
+    std::function<void(std::string_view)> stage;  ///< told reading, simulating, filtering, checking, writing; may be empty
+
+    void begin(std::string_view what) const {
+        if (stage) stage(what);
+    }
 
     /// All settings of the run: those of the data set, overridden by --config, then by `above`.
     [[nodiscard]] SettingList over(const SettingList& base) const;

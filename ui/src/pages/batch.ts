@@ -1,12 +1,13 @@
 // Several data sets with one profile: what is chosen and set, and the table of their results, worst first.
-import { api, watchRuns, type Json, type Run, type RunDetails, type Settings, type Summary } from "../api";
+import { api, type Json, type Run, type RunDetails, type Settings, type Summary } from "../api";
 import { h, quietly, replace, saveAs, tell } from "../dom";
-import { draftKey, forgetDraft, keepDraft, keptDraft } from "../draft";
 import { OptionForm } from "../form";
 import { maybe, number, t } from "../i18n";
 import { mainOptions } from "../labels";
 import type { Page } from "../page";
 import { said } from "../reasons";
+import { watchRuns } from "../streams";
+import { Desk } from "./desk";
 import { stateBadge } from "./start";
 
 const tasks = ["process", "gnss", "ahrs", "gravity"] as const;
@@ -21,23 +22,12 @@ function profileOf(settings: Settings): Settings {
 
 export async function batchPage(query: URLSearchParams): Promise<Page> {
   const [sets, options, commands, runs] = await Promise.all([api.datasets(), api.options("dataset"), api.commands(), api.runs()]);
-  const at = draftKey();
+  const desk = new Desk();
   const wanted = query.get("sets")?.split(",") ?? sets.map((d) => d.name);
   const chosen = new Set(sets.map((d) => d.name).filter((name) => wanted.includes(name)));
   const title = h("input", { type: "text", class: "run-name", value: query.get("title") ?? t("batch.title"), "aria-label": t("batch.name") });
-  const problem = h("p", { class: "bad", role: "alert", hidden: true });
-  const obstacle = h("p", { class: "note", hidden: true });
-  const invalid = { profile: 0, options: 0, server: false };
   let task: Task = "process";
   let taskOptions: OptionForm | null = null;
-  const allow = () => {
-    const why = chosen.size === 0 ? t("batch.none") : invalid.profile + invalid.options > 0 || invalid.server ? t("form.mend_first") : "";
-    start.disabled = why !== "";
-    start.title = why;
-    obstacle.hidden = why === "";
-    obstacle.textContent = `${t("task.not")}: ${why}`;
-    start.textContent = `▶ ${t("batch.run", { n: chosen.size })}`;
-  };
   const begin = async () => {
     try {
       const { batch } = await api.startBatch({
@@ -47,30 +37,19 @@ export async function batchPage(query: URLSearchParams): Promise<Page> {
         arguments: { ...taskOptions?.settings, ...(task === "gnss" ? { scheme: "gnss" } : {}) },
         settings: profile.settings,
       });
-      forgetDraft(at);
+      desk.forget();
       location.hash = `#/batch/${encodeURIComponent(batch)}`;
     } catch (e) {
       tell((e as Error).message, "error");
     }
   };
   const start = h("button", { type: "button", class: "primary run", onClick: () => void begin() });
-  const check = quietly(200, async () => {
-    try {
-      const now = await api.settings("dataset", { settings: profile.settings });
-      profile.understood(now);
-      problem.hidden = !now.problem || profile.blame(now.problem);
-      if (now.problem) problem.textContent = said(`${now.problem.text}; ${now.problem.mend}`);
-      invalid.server = now.problem !== null;
-    } catch (e) {
-      problem.hidden = false;
-      problem.textContent = (e as Error).message;
-    }
-    allow();
-  });
-  const keep = () => keepDraft({ settings: profile.settings, title: title.value }, at);
-  const profile = new OptionForm(options.filter((o) => !ownMatter.test(o.key)), () => (keep(), check()), () => false, [], mainOptions.dataset);
-  profile.judged = (wrong) => ((invalid.profile = wrong), allow());
-  title.addEventListener("input", keep);
+  const changed = () => {
+    start.textContent = `▶ ${t("batch.run", { n: chosen.size })}`;
+    desk.changed();
+  };
+  const profile = new OptionForm(options.filter((o) => !ownMatter.test(o.key)), changed, () => false, [], mainOptions.dataset);
+  desk.follow(profile);
 
   const boxes = sets.map((d) =>
     h("input", {
@@ -80,36 +59,35 @@ export async function batchPage(query: URLSearchParams): Promise<Page> {
       onChange: (e: Event) => {
         if ((e.target as HTMLInputElement).checked) chosen.add(d.name);
         else chosen.delete(d.name);
-        allow();
+        changed();
       },
     }),
   );
   const all = (on: boolean) => {
     boxes.forEach((box) => ((box.checked = on), on ? chosen.add(box.value) : chosen.delete(box.value)));
-    allow();
+    changed();
   };
   const place = h("div");
-  const choose = (next: Task) => {
+  const choose = (next: Task, given: Settings = {}) => {
     task = next;
-    invalid.options = 0;
+    desk.leave(taskOptions);
     const command = commands.find((c) => c.command === (task === "gnss" ? "process" : task));
     taskOptions = null;
     replace(place);
     if (command && task !== "gnss") {
-      taskOptions = new OptionForm(command.options.filter((o) => !["seed", "runs", "response"].includes(o.key)), allow, () => false, ["general"]);
-      taskOptions.judged = (wrong) => ((invalid.options = wrong), allow());
+      taskOptions = new OptionForm(command.options.filter((o) => !["seed", "runs", "response"].includes(o.key)), changed, () => false, ["general"]);
+      desk.follow(taskOptions);
       const used: Settings = {};
       for (const o of command.options) if (o.default !== null) used[o.key] = o.default;
-      taskOptions.load({ settings: {}, used, toml: "", problem: null });
-      place.append(h("details", null, h("summary", null, t("task.options")), taskOptions.element));
+      taskOptions.load({ settings: given, used, toml: "", problem: null });
+      place.append(h("details", { open: Object.keys(given).length > 0 }, h("summary", null, t("task.options")), taskOptions.element));
     }
-    allow();
+    changed();
   };
   const put = (settings: Settings) => {
     for (const key of Object.keys(profile.settings)) profile.put(key, undefined, false);
     for (const [key, value] of Object.entries(settings)) profile.put(key, value as Json, false);
-    keep();
-    check();
+    changed();
   };
   const earlier = runs.filter((r) => r.dataset !== null && r.order);
   const from = h(
@@ -138,19 +116,36 @@ export async function batchPage(query: URLSearchParams): Promise<Page> {
     };
     input.click();
   };
-  const draft = keptDraft();
-  profile.load({ settings: draft?.settings ?? {}, used: {}, toml: "", problem: null });
-  if (draft) title.value = draft.title;
+  const choices = tasks.map((name) => h("input", { type: "radio", name: "task", value: name, checked: name === task, onChange: () => choose(name) }));
+  profile.load({ settings: {}, used: {}, toml: "", problem: null });
   choose("process");
-  check();
-  if (query.get("run")) void api.runSettings(query.get("run")!).then((s) => !draft && put(profileOf(s.settings)), () => undefined);
+  desk.begin({
+    form: profile,
+    title,
+    start,
+    of: "dataset",
+    more: () => ({ sets: [...chosen].sort(), task, options: { ...taskOptions?.settings } }),
+    reason: () => (chosen.size === 0 ? t("batch.none") : ""),
+  });
+  const draft = desk.draft;
+  if (draft) {
+    const more = draft.more as { sets: string[]; task: Task; options: Settings };
+    title.value = draft.title;
+    profile.load({ settings: draft.settings, used: {}, toml: "", problem: null });
+    chosen.clear();
+    boxes.forEach((box) => ((box.checked = more.sets.includes(box.value)), box.checked && chosen.add(box.value)));
+    choices.forEach((c) => (c.checked = c.value === more.task));
+    choose(more.task, more.options);
+  } else if (query.get("run")) void api.runSettings(query.get("run")!).then((s) => put(profileOf(s.settings)), () => undefined);
+  void desk.judge();
   const element = h(
     "div",
     { class: "editor batch" },
     h("div", { class: "bar" }, h("h1", null, t("batch.title")), title, start),
     h("p", { class: "lead" }, t("batch.lead")),
-    problem,
-    obstacle,
+    desk.problem,
+    draft && desk.restored(),
+    desk.obstacle,
     h(
       "section",
       { class: "card" },
@@ -176,11 +171,11 @@ export async function batchPage(query: URLSearchParams): Promise<Page> {
       h(
         "div",
         { class: "task-list", role: "radiogroup", "aria-label": t("task.title") },
-        ...tasks.map((name) =>
+        ...tasks.map((name, i) =>
           h(
             "label",
             { class: "task" },
-            h("input", { type: "radio", name: "task", value: name, checked: name === task, onChange: () => choose(name) }),
+            choices[i]!,
             h("span", null, h("strong", null, t(`task.${name}`)), h("span", { class: "muted" }, t(`task.${name}_what`))),
           ),
         ),

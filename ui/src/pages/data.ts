@@ -1,17 +1,17 @@
 // A data set: what is in its files, what is doubtful, its settings as a form, and the way to a run.
 import { api, type Inspection, type Settings } from "../api";
-import { h, quietly, replace, saveAs } from "../dom";
-import { draftKey, forgetDraft, keepDraft, keptDraft } from "../draft";
+import { h, replace, saveAs } from "../dom";
 import { OptionForm } from "../form";
 import { number, t } from "../i18n";
 import { mainOptions } from "../labels";
 import type { Page } from "../page";
 import { said } from "../reasons";
 import { OutageLine } from "../plots/timeline";
+import { Desk } from "./desk";
 import { noiseView } from "./noise";
 import { runButton } from "./runbutton";
 import { rawCard, rawSignals } from "./raw";
-import { TaskChoice } from "./tasks";
+import { TaskChoice, type TaskState } from "./tasks";
 
 function problems(list: Inspection["problems"]): HTMLElement {
   const icon = { error: "✗", warning: "⚠", info: "ℹ" };
@@ -124,38 +124,11 @@ export async function dataPage(name: string, query: URLSearchParams): Promise<Pa
   const changes = (of: Settings): Settings => Object.fromEntries(Object.entries(of).filter(([k, v]) => JSON.stringify(v) !== JSON.stringify(base[k])));
   // a run's own settings over those of the data set
   if (before) found.form = { ...before, settings: { ...base, ...before.settings } };
-  const at = draftKey();
-  const problem = h("p", { class: "bad", role: "alert", hidden: true });
+  const desk = new Desk();
   const toml = h("pre", { class: "toml", tabIndex: 0 }, found.form.toml);
   // settings of the run over those of the data set
-  const check = quietly(200, async () => {
-    try {
-      const now = await api.settings("dataset", { settings: form.settings });
-      form.understood(now);
-      toml.textContent = now.toml;
-      problem.hidden = !now.problem || form.blame(now.problem);
-      if (now.problem) problem.textContent = said(`${now.problem.text}; ${now.problem.mend}`);
-      invalid.server = now.problem !== null;
-      allow();
-    } catch (e) {
-      problem.hidden = false;
-      problem.textContent = (e as Error).message;
-    }
-  });
-  const form = new OptionForm(
-    options,
-    () => {
-      keepDraft({ settings: form.settings, title: title.value }, at);
-      check();
-    },
-    (key) => key === "outage",
-    [],
-    mainOptions.dataset,
-  );
-  form.judged = (wrong) => {
-    invalid.fields = wrong;
-    allow();
-  };
+  const form = new OptionForm(options, () => desk.changed(), (key) => key === "outage", [], mainOptions.dataset);
+  desk.follow(form);
   const gnss = found.files.filter((f) => f.provides.includes("fixes"));
   const length = Math.max(0, ...(gnss.length > 0 ? gnss : found.files).map((f) => (f.stop_s ?? 0) - (f.start_s ?? 0))) || 600;
   const outages = new OutageLine((list) =>
@@ -165,15 +138,6 @@ export async function dataPage(name: string, query: URLSearchParams): Promise<Pa
     ),
   );
   const title = h("input", { type: "text", class: "run-name", value: again?.title ?? found.path, "aria-label": t("run.title") });
-  const invalid = { server: false, fields: 0 };
-  const obstacle = h("p", { class: "note", hidden: true });
-  const allow = () => {
-    const why = invalid.fields > 0 ? t("form.mend_first") : invalid.server ? t("form.mend_first") : tasks.obstacle;
-    start.disabled = why !== "";
-    start.title = why;
-    obstacle.hidden = why === "";
-    obstacle.textContent = `${t("task.not")}: ${why}`;
-  };
   const start: HTMLButtonElement = runButton(
     t("data.run"),
     () => ({
@@ -183,28 +147,35 @@ export async function dataPage(name: string, query: URLSearchParams): Promise<Pa
       settings: tasks.settings(changes(form.settings), form.settings),
       ...tasks.order,
     }),
-    () => forgetDraft(at),
+    () => desk.forget(),
     (order) => tasks.start(order),
   );
-  let ready = false;
   const order = again?.order;
   const scheme = found.form.settings["filter.scheme"];
-  const tasks: TaskChoice = new TaskChoice(found, commands, () => ready && allow(), {
+  const tasks: TaskChoice = new TaskChoice(found, commands, () => desk.changed(), length, {
     task: order && order.command !== "run" ? order.command : "base.observations" in found.form.settings ? "ppk" : scheme === "gnss" ? "gnss" : "process",
     arguments: order?.arguments ?? {},
   });
-  ready = true;
-  const draft = keptDraft();
-  const restored = draft !== null && JSON.stringify(draft.settings) !== JSON.stringify(found.form.settings);
-  if (draft && restored) title.value = draft.title;
-  form.load(draft && restored ? { ...found.form, settings: draft.settings } : found.form);
-  allow();
+  form.load(found.form);
+  desk.begin({
+    form,
+    title,
+    start,
+    of: "dataset",
+    more: () => tasks.state,
+    reason: () => tasks.obstacle,
+    understood: (now) => (toml.textContent = now.toml),
+  });
+  desk.show(found.form);
+  const draft = desk.draft;
+  if (draft) {
+    title.value = draft.title;
+    form.load({ ...found.form, settings: draft.settings });
+    tasks.take((draft.more ?? {}) as TaskState);
+    void desk.judge();
+  }
   form.doubts(found.findings);
   outages.show((form.settings["outage"] as never) ?? [], length);
-  if (found.form.problem) {
-    problem.hidden = form.blame(found.form.problem);
-    problem.textContent = said(found.form.problem.text);
-  }
   // asked for only when it is opened: the whole log is read for it
   const noise = h("details", { class: "card" }, h("summary", null, t("noise.title")));
   let view: { redraw: () => void } | null = null;
@@ -232,9 +203,9 @@ export async function dataPage(name: string, query: URLSearchParams): Promise<Pa
       start,
       h("button", { type: "button", onClick: () => saveAs(new Blob([toml.textContent ?? ""]), "dataset.toml") }, t("data.save")),
     ),
-    problem,
-    restored && h("p", { class: "note" }, t("draft.restored"), " ", h("button", { type: "button", onClick: () => (forgetDraft(at), window.dispatchEvent(new HashChangeEvent("hashchange"))) }, t("draft.discard"))),
-    obstacle,
+    desk.problem,
+    draft && desk.restored(),
+    desk.obstacle,
     tasks.element,
     h(
       "details",

@@ -1,16 +1,15 @@
 // The scenario editor: the option table as a form, the track as one types, outages on a time line, TOML in and out.
 import { api, type Json, type Settings, type Understood } from "../api";
-import { h, quietly, replace, saveAs, tell } from "../dom";
-import { draftKey, forgetDraft, keepDraft, keptDraft } from "../draft";
+import { h, replace, saveAs, tell } from "../dom";
 import { OptionForm } from "../form";
 import { number, t } from "../i18n";
 import { mainOptions } from "../labels";
 import type { Page } from "../page";
-import { said } from "../reasons";
 import { Linked } from "../plots/linked";
 import { PlanView } from "../plots/plan";
 import { TimePlot, linkCursors } from "../plots/timeplot";
 import { OutageLine, type Outage } from "../plots/timeline";
+import { Desk } from "./desk";
 import { CommandChoice, runButton } from "./runbutton";
 
 function gnssOutages(settings: Settings): Outage[] {
@@ -44,7 +43,7 @@ export async function editorPage(query: URLSearchParams): Promise<Page> {
   const again = query.get("run") ? await api.run(query.get("run")!) : null;
   let now = first;
   let linked = new Linked(0, 1);
-  const problem = h("p", { class: "bad", role: "alert", hidden: true });
+  const desk = new Desk();
   const profile = h("div");
   const toml = h("textarea", { class: "toml", rows: 24, spellcheck: false, "aria-label": "TOML" });
   const title = h("input", {
@@ -60,7 +59,6 @@ export async function editorPage(query: URLSearchParams): Promise<Page> {
     form.put("outage", [...spans, ...otherOutages(form.settings)]);
   });
   let plots: TimePlot[] = [];
-  let request: AbortController | null = null;
 
   const drawn = () => {
     const track = now.track;
@@ -108,57 +106,21 @@ export async function editorPage(query: URLSearchParams): Promise<Page> {
     }
     outages.show(gnssOutages(form.settings), Number(form.settings["duration_s"] ?? now.used["duration_s"] ?? 1));
     toml.value = now.toml;
-    const known = now.problem && form.blame(now.problem);
-    problem.hidden = !now.problem;
-    if (now.problem)
-      problem.textContent = known ? t("editor.see_field", { key: now.problem.key }) : said(`${now.problem.text}; ${now.problem.mend}`);
-    invalid.server = now.problem !== null;
-    allow();
     const keys = Object.keys(form.settings);
     const runs = form.settings["montecarlo.runs"];
     if (keys.some((k) => k.startsWith("gravity.") || k.startsWith("anomaly"))) command.suggest("gravity");
     else if (typeof runs === "number") command.suggest("montecarlo", runs);
   };
-  const command = new CommandChoice(["run", "montecarlo", "gravity"]);
-  const invalid = { server: false, fields: 0 };
-  const allow = () => {
-    start.disabled = invalid.server || invalid.fields > 0;
-    start.title = invalid.fields > 0 ? t("form.mend_first") : "";
-  };
-  const at = draftKey();
-  const ask = quietly(150, async () => {
-    request?.abort();
-    request = new AbortController();
-    try {
-      now = await api.settings("scenario", { settings: form.settings }, request.signal);
-      form.understood(now);
-      drawn();
-    } catch (e) {
-      if ((e as Error).name !== "AbortError") {
-        problem.hidden = false;
-        problem.textContent = (e as Error).message;
-      }
-    }
-  });
-  const form = new OptionForm(
-    options,
-    () => {
-      keepDraft({ settings: form.settings, title: title.value }, at);
-      ask();
-    },
-    (key) => key === "outage",
-    [],
-    mainOptions.scenario,
-  );
-  form.judged = (wrong) => {
-    invalid.fields = wrong;
-    allow();
-  };
+  const command = new CommandChoice(["run", "montecarlo", "gravity"], () => desk.changed());
+  const form = new OptionForm(options, () => desk.changed(), (key) => key === "outage", [], mainOptions.scenario);
+  desk.follow(form);
 
   const load = async (text: string) => {
     try {
       now = await api.settings("scenario", { toml: text });
       form.load(now);
+      desk.show(now);
+      desk.keep();
       drawn();
       tell(t("editor.loaded"));
     } catch (e) {
@@ -170,7 +132,7 @@ export async function editorPage(query: URLSearchParams): Promise<Page> {
     title: title.value.trim() || String(form.settings["name"] ?? "scenario"),
     settings: form.settings,
     ...command.order,
-  }), () => forgetDraft(at));
+  }), () => desk.forget());
   const file = () => {
     const input = h("input", { type: "file", accept: ".toml" });
     input.onchange = () => void input.files?.[0]?.text().then(load);
@@ -197,7 +159,8 @@ export async function editorPage(query: URLSearchParams): Promise<Page> {
         t("editor.save"),
       ),
     ),
-    problem,
+    desk.problem,
+    desk.obstacle,
     h(
       "div",
       { class: "split" },
@@ -219,26 +182,38 @@ export async function editorPage(query: URLSearchParams): Promise<Page> {
       ),
     ),
   );
-  title.addEventListener("input", () => keepDraft({ settings: form.settings, title: title.value }, at));
   form.load(now);
   if (again) {
     title.value = again.title;
     const order = again.order;
     if (order && order.command !== "run") command.suggest(order.command as never, order.runs || undefined);
   }
-  const draft = keptDraft();
-  if (draft && JSON.stringify(draft.settings) !== JSON.stringify(now.settings)) {
+  drawn();
+  desk.begin({
+    form,
+    title,
+    start,
+    of: "scenario",
+    more: () => command.choice,
+    understood: (next) => {
+      now = next;
+      drawn();
+    },
+  });
+  desk.show(now);
+  const draft = desk.draft;
+  if (draft)
     try {
       now = await api.settings("scenario", { settings: draft.settings });
       form.load(now);
       title.value = draft.title;
-      const note = h("p", { class: "note" }, t("draft.restored"), " ", h("button", { type: "button", onClick: () => (forgetDraft(at), window.dispatchEvent(new HashChangeEvent("hashchange"))) }, t("draft.discard")));
-      element.insertBefore(note, problem);
+      command.take(draft.more);
+      desk.show(now);
+      drawn();
+      element.insertBefore(desk.restored(), desk.problem);
     } catch {
-      forgetDraft(at);
+      desk.forget();
     }
-  }
-  drawn();
   return {
     title: t("editor.title"),
     element,

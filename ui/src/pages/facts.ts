@@ -1,6 +1,6 @@
 // The settings of a run with where each comes from, and what differs from those of another run.
 import { api, type Fact, type RunDetails } from "../api";
-import { h, replace } from "../dom";
+import { append, h, replace } from "../dom";
 import { maybe, number, t } from "../i18n";
 
 function shown(v: unknown): string {
@@ -17,7 +17,7 @@ function valueOf(f: Fact | undefined): string {
   return `${shown(f.value)}${sigma}${f.unit ? ` ${f.unit}` : ""}`;
 }
 
-export function factsCard(run: RunDetails, others: { id: string; title: string }[]): HTMLElement | null {
+export function factsCard(run: RunDetails, others: Promise<{ id: string; title: string }[]>): HTMLElement | null {
   const facts = run.summary?.facts ?? [];
   if (facts.length === 0) return null;
   const place = h("div", { class: "scroll", tabIndex: 0 });
@@ -27,6 +27,7 @@ export function factsCard(run: RunDetails, others: { id: string; title: string }
     "select",
     {
       "aria-label": t("facts.compare"),
+      hidden: true,
       onChange: () =>
         void (choice.value ? api.run(choice.value) : Promise.resolve(null)).then((r) => {
           other = r;
@@ -34,8 +35,11 @@ export function factsCard(run: RunDetails, others: { id: string; title: string }
         }),
     },
     h("option", { value: "" }, `${t("facts.compare")} …`),
-    ...others.map((r) => h("option", { value: r.id }, r.title)),
   );
+  void others.then((all) => {
+    append(choice, ...all.map((r) => h("option", { value: r.id }, r.title)));
+    choice.hidden = all.length === 0;
+  });
   const fill = () => {
     const word = search.value.toLowerCase();
     const theirs = new Map((other?.summary?.facts ?? []).map((f) => [f.key, f]));
@@ -76,7 +80,7 @@ export function factsCard(run: RunDetails, others: { id: string; title: string }
     "details",
     { class: "card" },
     h("summary", null, `${t("facts.title")} (${facts.length})`),
-    h("p", { class: "form-tools" }, search, others.length > 0 && choice),
+    h("p", { class: "form-tools" }, search, choice),
     place,
   );
 }

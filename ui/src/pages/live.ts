@@ -8,6 +8,7 @@ import { HorizonView } from "../plots/horizon";
 import { Linked } from "../plots/linked";
 import { PlanView } from "../plots/plan";
 import { TimePlot, linkCursors } from "../plots/timeplot";
+import { watchLive } from "../streams";
 import { LiveSky } from "./livesky";
 
 type Message = Record<string, unknown>;
@@ -193,16 +194,14 @@ export async function livePage(): Promise<Page> {
     if (!element.querySelector("figure.plot:hover")) linked.point(kept.time.at(-1)!);
   };
   let connected = false;
-  const source = new EventSource("/api/live");
-  source.addEventListener("link", (e) => {
-    const m = JSON.parse((e as MessageEvent<string>).data) as { connected: boolean; text: string; address: string };
-    connected = m.connected;
-    heard = m.connected ? Date.now() : 0;
-    link.textContent = m.connected ? t("live.connected", { address: m.address }) : t("live.lost", { address: m.address, why: m.text });
-    link.classList.toggle("bad", !m.connected);
-  });
-  source.addEventListener("live", (e) => {
-    const m = JSON.parse((e as MessageEvent<string>).data) as Message;
+  const linkChanged = (m: Message) => {
+    connected = m["connected"] === true;
+    heard = connected ? Date.now() : 0;
+    const address = String(m["address"]);
+    link.textContent = connected ? t("live.connected", { address }) : t("live.lost", { address, why: String(m["text"]) });
+    link.classList.toggle("bad", !connected);
+  };
+  const take = (m: Message) => {
     if (connected && Date.now() - heard > 3000) link.textContent = t("live.connected", { address: live });
     heard = Date.now();
     if (typeof m["time_s"] === "number") kept.zero ??= m["time_s"];
@@ -222,11 +221,14 @@ export async function livePage(): Promise<Page> {
       events.length = Math.min(events.length, mostEvents);
       drawEvents();
     }
-  });
-  source.onerror = () => {
-    connected = false;
-    link.textContent = t("live.connecting", { address: live });
   };
+  const leave = watchLive(
+    (name, m) => (name === "link" ? linkChanged(m) : take(m)),
+    () => {
+      connected = false;
+      link.textContent = t("live.connecting", { address: live });
+    },
+  );
   const timer = window.setInterval(draw, 200);
   drawStats();
   drawHealth();
@@ -262,6 +264,6 @@ export async function livePage(): Promise<Page> {
     title: t("nav.live"),
     element,
     redraw: () => [...plots, plan, horizon].forEach((p) => p.redraw()),
-    close: () => (source.close(), window.clearInterval(timer)),
+    close: () => (leave(), window.clearInterval(timer)),
   };
 }

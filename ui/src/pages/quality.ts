@@ -1,7 +1,8 @@
 // The first page of a run: is it good, where was it bad, and what is that judged by.
 import { api, type Group, type RunDetails } from "../api";
-import { h } from "../dom";
+import { h, replace } from "../dom";
 import { maybe, number, t } from "../i18n";
+import { HealthLine } from "../plots/healthline";
 import { Linked } from "../plots/linked";
 import { PlanView, type Track2d } from "../plots/plan";
 import { TimePlot, linkCursors, stacked } from "../plots/timeplot";
@@ -211,8 +212,14 @@ export function outagePlots(run: string, groups: Group[], linked: Linked): TimeP
   });
 }
 
-export async function qualityView(run: RunDetails, groups: Group[], linked: Linked, others: { id: string; title: string }[], happened: Promise<Happening[]>): Promise<View> {
-  const [plan, events] = await Promise.all([map(run, groups, linked), happened]);
+export async function qualityView(run: RunDetails, groups: Group[], linked: Linked, others: Promise<{ id: string; title: string }[]>, happened: Promise<Happening[]>): Promise<View> {
+  const plan = await map(run, groups, linked);
+  // every row of every gate is looked at for them: the page does not wait
+  const events = h("div", null, plan && h("section", { class: "card" }, h("h3", null, t("event.title")), h("p", { class: "muted" }, t("event.wait"))));
+  void happened.then(
+    (all) => replace(events, (all.length > 0 || plan) && eventList(all, linked)),
+    (e: Error) => replace(events, h("p", { class: "bad", role: "alert" }, e.message)),
+  );
   const plots = [
     ...outagePlots(run.id, groups, linked),
     ...separationPlots(run.id, groups, linked),
@@ -224,6 +231,7 @@ export async function qualityView(run: RunDetails, groups: Group[], linked: Link
   const growth = growthPlot(run);
   if (growth) linkCursors([growth], growth.linked);
   const figures = overview(run);
+  const health = (run.summary?.health?.length ?? 0) > 0 ? new HealthLine(run.summary!.health!, linked) : null;
   const element = h(
     "div",
     { class: "quality" },
@@ -231,11 +239,11 @@ export async function qualityView(run: RunDetails, groups: Group[], linked: Link
     h(
       "div",
       { class: "quality-grid" },
-      h("div", { class: "quality-left" }, verdictCard(run), plan?.element, (events.length > 0 || plan) && eventList(events, linked), !plan && figures),
+      h("div", { class: "quality-left" }, verdictCard(run), plan?.element, health?.element, events, !plan && figures),
       h("div", { class: "quality-right" }, growth?.element, ...stacked(plots)),
     ),
     factsCard(run, others),
     plan && figures,
   );
-  return { element, redraw: () => [...plots, plan, growth].forEach((p) => p?.redraw()) };
+  return { element, redraw: () => [...plots, plan, health, growth].forEach((p) => p?.redraw()) };
 }

@@ -1,9 +1,10 @@
 // One run: live while it works, then its views.
-import { api, watchRuns, type Group, type RunDetails, type RunEvent } from "../api";
-import { h, icon, replace, saveAs, tell } from "../dom";
-import { number, t } from "../i18n";
+import { api, type Group, type RunDetails } from "../api";
+import { append, h, icon, idle, replace, saveAs, tell as say } from "../dom";
+import { t } from "../i18n";
 import type { Page } from "../page";
 import { said } from "../reasons";
+import { watchRuns, type RunEvent } from "../streams";
 import { Linked } from "../plots/linked";
 import { TimePlot, linkCursors, stacked } from "../plots/timeplot";
 import { ensembleView } from "./ensemble";
@@ -11,6 +12,7 @@ import { happenings, marksOf, type Happening } from "./events";
 import { gravityView } from "./gravity";
 import { noiseView } from "./noise";
 import { documentView } from "./document";
+import { partDone, progressWords } from "./progress";
 import { qualityView } from "./quality";
 import { skyView } from "./sky";
 import { signalsView } from "./signals";
@@ -32,10 +34,16 @@ function plotsView(plots: TimePlot[], linked: Linked, note = ""): View {
 }
 
 async function whileWorking(run: RunDetails, done: () => void): Promise<Page> {
-  const bar = h("progress", { max: 1, value: run.progress ?? 0, "aria-label": t("run.working") });
+  const bar = h("progress", { max: 1, "aria-label": t("run.working") });
   const log = h("pre", { class: "log", tabIndex: 0 });
-  const words = h("p", null, t(run.state === "waiting" ? "run.queue" : "run.working"));
-  const begun = Date.now();
+  const words = h("p", { role: "status" });
+  const tell = (e: RunEvent) => {
+    const part = partDone(e);
+    if (part === null) bar.removeAttribute("value");
+    else bar.value = part;
+    words.textContent = progressWords(e);
+  };
+  tell({ id: run.id, state: run.state, progress: run.progress ?? 0, stage: run.stage ?? "", spent_s: run.spent_s ?? 0, message: "" });
   let over = false;
   const ended = (state: RunDetails["state"]) => {
     if (over || state === "waiting" || state === "running") return;
@@ -50,11 +58,7 @@ async function whileWorking(run: RunDetails, done: () => void): Promise<Page> {
   const timer = window.setInterval(() => void refresh().catch(() => undefined), 1500);
   const stop = watchRuns((e: RunEvent) => {
     if (e.id !== run.id) return;
-    if (e.progress > 0) bar.value = e.progress;
-    else bar.removeAttribute("value");
-    const spent = (Date.now() - begun) / 1000;
-    const left = e.progress > 0.05 && e.progress < 1 ? t("run.left", { s: number((spent * (1 - e.progress)) / e.progress, 2) }) : "";
-    words.textContent = `${t(e.state === "waiting" ? "run.queue" : e.progress > 0 ? "run.working" : "run.preparing")} ${e.progress > 0 ? `${Math.round(100 * e.progress)} %` : ""} ${left}`;
+    tell(e);
     ended(e.state);
   });
   void refresh().catch(() => undefined);
@@ -72,7 +76,7 @@ async function whileWorking(run: RunDetails, done: () => void): Promise<Page> {
         null,
         h(
           "button",
-          { type: "button", onClick: () => void api.cancel(run.id).catch((e: Error) => tell(e.message, "error")) },
+          { type: "button", onClick: () => void api.cancel(run.id).catch((e: Error) => say(e.message, "error")) },
           t("run.cancel"),
         ),
       ),
@@ -143,8 +147,12 @@ function shown(tab: (typeof tabs)[number], run: RunDetails, groups: Group[]): bo
 
 async function finished(run: RunDetails, first: string): Promise<Page> {
   const drawn = ["run.h5", "gravity.csv", "epochs.csv", "solution.csv"].some((f) => run.files.includes(f));
-  const [groups, all] = await Promise.all([drawn ? api.channels(run.id) : [], api.runs()]);
-  const others = all.filter((r) => r.id !== run.id && r.state === "done");
+  // the list of all runs is for comparisons alone: the run does not wait for it
+  const others = api.runs().then(
+    (all) => all.filter((r) => r.id !== run.id && r.state === "done"),
+    () => [],
+  );
+  const groups = drawn ? await api.channels(run.id) : [];
   const stops = groups.map((g) => g.stop_s).filter((x): x is number => x !== null);
   const linked = new Linked(0, Math.max(1e-3, ...stops));
   linked.spans = (run.summary?.outages ?? []).map((o) => ({
@@ -157,7 +165,7 @@ async function finished(run: RunDetails, first: string): Promise<Page> {
   // what happened is marked on every axis of time, whichever view is opened first
   let happened: Promise<Happening[]> | null = null;
   const events = () =>
-    (happened ??= happenings(run, groups).then((all) => {
+    (happened ??= idle().then(() => happenings(run, groups)).then((all) => {
       linked.marks = marksOf(all);
       if (linked.marks.length > 0) made.forEach((v) => v.redraw());
       return all;
@@ -276,11 +284,15 @@ async function finished(run: RunDetails, first: string): Promise<Page> {
     "select",
     {
       "aria-label": t("run.compare"),
+      hidden: true,
       onChange: () => (location.hash = `#/compare/${encodeURIComponent(run.id)}/${encodeURIComponent(compare.value)}`),
     },
     h("option", { value: "" }, `${t("run.compare")} …`),
-    ...others.map((r) => h("option", { value: r.id }, r.title)),
   );
+  void others.then((all) => {
+    append(compare, ...all.map((r) => h("option", { value: r.id }, r.title)));
+    compare.hidden = all.length === 0;
+  });
   const element = h(
     "div",
     { class: "run", "data-run": run.id },
@@ -291,7 +303,7 @@ async function finished(run: RunDetails, first: string): Promise<Page> {
       stateBadge(run),
       h("span", { class: "grow" }),
       run.batch && h("a", { class: "button", href: `#/batch/${encodeURIComponent(run.batch)}` }, `${t("batch.title")}: ${run.batch}`),
-      others.length > 0 && compare,
+      compare,
       run.files.includes("scenario.toml") &&
         h("a", { class: "button", href: `#/scenario?run=${encodeURIComponent(run.id)}` }, t("run.again")),
       run.dataset &&
@@ -306,7 +318,7 @@ async function finished(run: RunDetails, first: string): Promise<Page> {
       }),
       tool(icon("note"), t("note.edit"), () => {
         const text = prompt(t("note.edit"), run.note);
-        if (text !== null) void api.annotate(run.id, text).then(() => ((run.note = text), write()), (e: Error) => tell(e.message, "error"));
+        if (text !== null) void api.annotate(run.id, text).then(() => ((run.note = text), write()), (e: Error) => say(e.message, "error"));
       }),
       tool("✕", t("remove"), () => {
         if (confirm(t("remove.sure", { name: run.title }))) void api.remove(run.id).then(() => (location.hash = "#/"));

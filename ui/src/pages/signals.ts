@@ -1,25 +1,14 @@
 // Every signal of a run: searched in a tree, several in one plot with two axes, derived ones, layouts that are kept.
-import { api, type Group, type Range } from "../api";
+import { api, type Group } from "../api";
 import { h, replace, tell } from "../dom";
 import { number, t } from "../i18n";
-import { derived, norm, type Operation } from "../plots/derive";
+import type { Operation } from "../plots/derive";
 import { Linked } from "../plots/linked";
-import { TimePlot, linkCursors, type Data } from "../plots/timeplot";
-import { withoutJumps } from "./attitude";
+import { TimePlot, linkCursors } from "../plots/timeplot";
+import { signalLoader, type Signal, type Source } from "./signaldata";
 import type { View } from "./track";
-import { resampled, unit } from "./views";
+import { unit } from "./views";
 
-type Values = (number | null)[];
-
-interface Signal {
-  /** Of /channels; "norm:/group/table" for the length of a vector. */
-  id: string;
-  right?: boolean;
-  operation?: Operation;
-  seconds?: number;
-  /** What is subtracted from it. */
-  minus?: string;
-}
 type Layout = Signal[][];
 
 interface Known {
@@ -28,6 +17,19 @@ interface Known {
   label: string;
   unit: string;
   parts: string[];
+}
+
+/** Columns that are the components of one vector: x, y, z of a table, or gyro_x_rad_s and its like among others. */
+export function vectorsOf<C extends { name: string }>(columns: C[]): { stem: string; parts: C[] }[] {
+  const axes = /^(x,y,z|north,east,down|east,north,up|north,east,up|n,e,d|e,n,u)$/;
+  const by = new Map<string, { axis: string; column: C }[]>();
+  for (const column of columns) {
+    const found = /(^|_)(x|y|z|north|east|down|up|n|e|d|u)(?=_|$)/.exec(column.name);
+    if (!found) continue;
+    const stem = `${column.name.slice(0, found.index)}${found[1]}${column.name.slice(found.index + found[0].length)}`.replace(/__+/, "_").replace(/^_|_$/g, "");
+    by.set(stem, [...(by.get(stem) ?? []), { axis: found[2]!, column }]);
+  }
+  return [...by].filter(([, all]) => axes.test(all.map((a) => a.axis).join())).map(([stem, all]) => ({ stem, parts: all.map((a) => a.column) }));
 }
 
 function catalogue(groups: Group[]): Map<string, Known> {
@@ -41,18 +43,15 @@ function catalogue(groups: Group[]): Map<string, Known> {
       out.set(c.id, { id: c.id, group: g.group, label: words, unit: unit(c.unit), parts: [c.id] });
       tables.set(path, [...(tables.get(path) ?? []), { id: c.id, name, unit: c.unit }]);
     }
-    for (const [path, columns] of tables) {
-      const names = columns.map((c) => c.name).join();
-      if (!/^(x,y,z|north,east,down|east,north,up|north,east,up)$/.test(names)) continue;
-      const id = `norm:${path}`;
-      out.set(id, { id, group: g.group, label: `|${path.slice(g.group.length + 1).replaceAll("_", " ")}|`, unit: unit(columns[0]!.unit), parts: columns.map((c) => c.id) });
-    }
+    for (const [path, columns] of tables)
+      for (const { stem, parts } of vectorsOf(columns)) {
+        const id = `norm:${path}${stem}`;
+        const words = `${path.slice(g.group.length + 1).replace(/^table$/, "")} ${stem}`.replaceAll("_", " ").trim();
+        out.set(id, { id, group: g.group, label: `|${words}|`, unit: unit(parts[0]!.unit), parts: parts.map((c) => c.id) });
+      }
   }
   return out;
 }
-
-/** They pass from one end of their range to the other, which is no line across the plot. */
-const angles = /:(roll|yaw|heading|lon|course)(_deg)?$/;
 
 const operations: Operation[] = ["raw", "mean", "integral", "derivative", "lowpass"];
 
@@ -60,9 +59,6 @@ function derivedUnit(u: string, operation: Operation | undefined): string {
   if (operation === "integral") return `${u}·s`;
   return operation === "derivative" ? `${u}/s` : u;
 }
-
-/** Where the numbers of signals come from: of a run by its server, of raw logs from what was read of them. */
-export type Source = (ids: string[], range: Range, signal: AbortSignal) => Promise<{ time_s: number[]; columns: Record<string, Values> }>;
 
 export async function signalsView(
   run: string,
@@ -89,38 +85,11 @@ export async function signalsView(
     return s.minus ? `${of} − ${known.get(s.minus)?.label ?? s.minus}` : of;
   };
 
-  const values = async (id: string, fine: boolean, range: { from?: number | undefined; to?: number | undefined; points: number }, signal: AbortSignal) => {
+  const load = signalLoader(source, (id) => {
     const k = known.get(id);
     if (!k) throw new Error(id);
-    const s = await source(k.parts, { ...range, points: fine ? 20000 : range.points }, signal);
-    const columns = k.parts.map((p) => s.columns[p]!);
-    const v = columns.length > 1 ? norm(columns) : columns[0]!;
-    return { time: s.time_s, values: angles.test(id) ? withoutJumps(v) : v };
-  };
-
-  const load = (signals: Signal[]) => async (from: number | undefined, to: number | undefined, points: number, abort: AbortSignal): Promise<Data> => {
-    const all = await Promise.all(
-      signals.map(async (s) => {
-        const operation = s.operation ?? "raw";
-        // an integral starts where the log does, whatever is shown
-        const fine = operation !== "raw";
-        const range = operation === "integral" ? { points: 20000 } : { from, to, points };
-        const a = await values(s.id, fine, range, abort);
-        let v: Values = a.values;
-        if (s.minus) {
-          const b = await values(s.minus, fine, range, abort);
-          const other = resampled(b.time, b.values, a.time);
-          v = v.map((x, i) => (x === null || other[i] === null || other[i] === undefined ? null : x - other[i]!));
-        }
-        return { time: a.time, values: derived(a.time, v, operation, s.seconds ?? 1) };
-      }),
-    );
-    if (all.length === 0) return { x: [], y: [] };
-    const same = all.every((a) => a.time.length === all[0]!.time.length && a.time[0] === all[0]!.time[0] && a.time.at(-1) === all[0]!.time.at(-1));
-    if (same) return { x: all[0]!.time, y: all.map((a) => a.values) };
-    const x = [...new Set(all.flatMap((a) => a.time))].sort((a, b) => a - b);
-    return { x, y: all.map((a) => resampled(a.time, a.values, x)) };
-  };
+    return k.parts;
+  });
 
   const list = h("div", { class: "signal-plots" });
   const changed = () => {
@@ -182,7 +151,6 @@ export async function signalsView(
             unit: bothUnits(plot, false),
             rightUnit: bothUnits(plot, true),
             height: layout.length > 1 ? 190 : 330,
-            mayBeEmpty: true,
             lines: plot.map((s, ink) => ({ label: labelOf(s), ink, ...(s.right ? { right: true } : {}) })),
             load: load(plot),
           },

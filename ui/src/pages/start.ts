@@ -1,9 +1,11 @@
 // Start: logs to drop, examples to pick, runs to open or compare.
-import { api, upload, watchRuns, type DatasetInfo, type Run } from "../api";
+import { api, upload, type DatasetInfo, type Run } from "../api";
 import { h, icon, replace, tell } from "../dom";
 import { language, maybe, number, t } from "../i18n";
 import type { Page } from "../page";
 import { said } from "../reasons";
+import { watchRuns } from "../streams";
+import { partDone, progressWords } from "./progress";
 
 /** Files of a drop, those of folders too. */
 interface Sent {
@@ -297,11 +299,8 @@ export async function startPage(): Promise<Page> {
       if (!cell?.querySelector(`.${e.state}`)) void refreshRuns();
       return;
     }
-    replace(
-      cell,
-      h("progress", { max: 1, value: e.progress, "aria-label": t(`state.${e.state}`) }),
-      ` ${Math.round(100 * e.progress)} %`,
-    );
+    const part = partDone(e);
+    replace(cell, h("progress", { max: 1, ...(part === null ? {} : { value: part }), "aria-label": t(`state.${e.state}`) }), ` ${progressWords(e)}`);
   });
   const element = h(
     "div",

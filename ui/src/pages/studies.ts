@@ -4,6 +4,7 @@ import { h, replace } from "../dom";
 import { OptionForm, labelOf } from "../form";
 import { maybe, t } from "../i18n";
 import type { Page } from "../page";
+import { Desk } from "./desk";
 import { runButton } from "./runbutton";
 
 export async function studiesPage(query: URLSearchParams, name: string): Promise<Page> {
@@ -140,27 +141,18 @@ class RecordingChoice {
 
 function form(study: CommandForm, examples: { name: string; toml: string }[], sets: DatasetInfo[], recordings: Recording[], query: URLSearchParams): HTMLElement {
   const given = query.get("dataset");
+  const desk = new Desk();
   const start = runButton(
     t("study.run"),
     () => ({ command: study.command, title: title.value.trim() || study.command, settings: options.settings, ...(recording ? { recording: recording.chosen?.of } : inputOf()) }),
-    undefined,
+    () => desk.forget(),
     (order) => api.startStudy(order),
   );
-  const options = new OptionForm(study.options, () => (items?.(), allow()), () => false, ["general"]);
-  const obstacle = h("p", { class: "note", hidden: true });
+  const options = new OptionForm(study.options, () => (items?.(), desk.changed()), () => false, ["general"]);
+  desk.follow(options);
   let recording: RecordingChoice | null = null;
   const list = h("div");
   const items = study.command === "paper" ? paperItems(options, list) : null;
-  let wrong = 0;
-  const allow = () => {
-    const missing = study.options.find((o) => o.required && !(o.key in options.settings));
-    const why = recording && !recording.chosen ? t("study.no_recording") : wrong > 0 ? t("form.mend_first") : missing ? t("study.missing", { what: labelOf(missing.key) }) : "";
-    start.disabled = why !== "";
-    start.title = why;
-    obstacle.hidden = why === "";
-    obstacle.textContent = `${t("task.not")}: ${why}`;
-  };
-  options.judged = (n) => ((wrong = n), allow());
   const used: Settings = {};
   for (const o of study.options) if (o.default !== null) used[o.key] = o.default;
   options.load({ settings: {}, used, toml: "", problem: null });
@@ -172,12 +164,31 @@ function form(study: CommandForm, examples: { name: string; toml: string }[], se
   const takesScenario = needs && accepts.includes("scenario");
   const input = h(
     "select",
-    { "aria-label": t("study.input") },
+    { "aria-label": t("study.input"), onChange: () => desk.changed() },
     ...(study.optional_input ? [h("option", { value: "" }, "–")] : []),
     ...(takesScenario ? examples.map((e) => h("option", { value: `example:${e.name}` }, `${t("nav.scenario")}: ${e.name}`)) : []),
     ...(takesData ? sets.map((d) => h("option", { value: `data:${d.name}` }, `${t("data.title")}: ${d.name}`)) : []),
   );
   if (given) input.value = `data:${given}`;
+  desk.begin({
+    form: options,
+    title,
+    start,
+    more: () => input.value,
+    reason: () => {
+      const missing = study.options.find((o) => o.required && !(o.key in options.settings));
+      return recording && !recording.chosen ? t("study.no_recording") : missing ? t("study.missing", { what: labelOf(missing.key) }) : "";
+    },
+  });
+  // a recording says itself how it was sampled: nothing of it is kept
+  const draft = recording ? null : desk.draft;
+  if (draft) {
+    title.value = draft.title;
+    options.load({ settings: draft.settings, used, toml: "", problem: null });
+    if ([...input.options].some((o) => o.value === draft.more)) input.value = String(draft.more);
+    items?.();
+    desk.allow();
+  }
   const inputOf = (): Record<string, unknown> => {
     if (!needs || input.value === "") return {};
     const [kind, ...rest] = input.value.split(":");
@@ -190,12 +201,12 @@ function form(study: CommandForm, examples: { name: string; toml: string }[], se
     h("h2", null, study.command.replace("analyze ", "")),
     h("p", { class: "muted" }, maybe(`study.${study.command.replace("analyze ", "")}`, study.purpose)),
     h("div", { class: "bar" }, title, needs && h("label", null, t("study.input"), " ", input), recording && h("label", null, t("study.recording"), " ", recording.element), start),
-    obstacle,
+    draft && desk.restored(),
+    desk.obstacle,
     (needs || recording) && h("p", { class: "muted" }, maybe(`study.input.${study.command}`, study.input ?? "")),
     list,
     options.element,
     h("details", null, h("summary", null, t("study.examples")), h("pre", { class: "toml", tabIndex: 0 }, study.examples)),
   );
-  allow();
   return element;
 }

@@ -10,7 +10,8 @@ type Values = (number | null)[];
 export function loader(run: string, ids: string[], combine: (columns: Values[]) => Values[] = (c) => c) {
   return async (from: number | undefined, to: number | undefined, points: number, signal: AbortSignal): Promise<Data> => {
     const s: Series = await api.series(run, ids, { from, to, points }, undefined, signal);
-    return { x: s.time_s, y: combine(ids.map((id) => s.columns[id]!)) };
+    // a picture is thinned on purpose, a file of numbers is not
+    return { x: s.time_s, y: combine(ids.map((id) => s.columns[id]!)), thinned: points === 0 && s.thinned };
   };
 }
 
@@ -124,6 +125,15 @@ const axes: Record<string, string[]> = {
   range_rate: [""],
 };
 
+/** Accepted, rejected and excluded innovations as lines of their own; then the band, of what was not withheld. */
+export function innovationLines(v: Values, sigma: Values, status: Values | undefined): Values[] {
+  const of = (wanted: number) => v.map((x, j) => (sigma[j] && status![j] === wanted ? x : null));
+  const lines = status ? [of(0), of(1), of(3)] : [v.map((x, j) => (sigma[j] ? x : null))];
+  // while fixes are withheld the band grows far beyond what is seen: it is that of what was used
+  const band = sigma.map((x, j) => (x && status?.[j] !== 2 ? 3 * x : null));
+  return [...lines, band, times(band, -1)];
+}
+
 export function innovationPlots(run: string, groups: Group[], linked: Linked): TimePlot[] {
   const out: TimePlot[] = [];
   const units: Record<string, string> = {
@@ -152,20 +162,18 @@ export function innovationPlots(run: string, groups: Group[], linked: Linked): T
             unit: units[kind] ?? "",
             lines: [
               { label: status ? t("accepted") : t("innovation"), ink: 0, dots: true },
-              ...(status ? [{ label: t("rejected"), paint: "--rejected", dots: true }] : []),
+              ...(status
+                ? [
+                    { label: t("rejected"), paint: "--rejected", dots: true },
+                    { label: t("excluded"), paint: "--excluded", dots: true },
+                  ]
+                : []),
             ],
             band: t("band"),
             stack: kind,
             include: [0],
             robust: true,
-            load: loader(run, status ? [...ids, status.id] : ids, ([v, s, st]) => {
-              const seen = v!.map((x, j) => (s![j] ? x : null));
-              const lines: Values[] = [st ? seen.map((x, j) => (st[j] === 0 ? x : null)) : seen];
-              if (st) lines.push(seen.map((x, j) => (st[j] === 1 ? x : null)));
-              // while fixes are withheld the band grows far beyond what is seen: it is that of what was used
-              const band = s!.map((x, j) => (x && st?.[j] !== 2 ? 3 * x : null));
-              return [...lines, band, times(band, -1)];
-            }),
+            load: loader(run, status ? [...ids, status.id] : ids, ([v, s, st]) => innovationLines(v!, s!, st)),
           },
           linked,
         ),

@@ -1,4 +1,4 @@
-// Colours told apart by colour-blind readers: Okabe and Ito (2008), lightened for the dark theme.
+// Colours of lines: nine of the style sheet, told apart by colour-blind readers too, or what the user chose.
 import { css } from "../dom";
 
 export const inks = ["--ink-1", "--ink-2", "--ink-3", "--ink-4", "--ink-5", "--ink-6", "--ink-7", "--ink-8", "--ink-9"] as const;

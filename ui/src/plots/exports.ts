@@ -1,20 +1,19 @@
 // What a plot gives away: its numbers as text, its picture.
 import type uPlot from "uplot";
-import { css, saveAs } from "../dom";
+import { css, saveAs, tell } from "../dom";
 import { t } from "../i18n";
 import { colour } from "./colours";
 import type { Linked } from "./linked";
-import type { PlotSettings } from "./settings";
-import { pictureOf, svgOf } from "./svg";
+import type { Data, PlotSettings } from "./settings";
+import { pictureOf, svgOf, type Shown } from "./svg";
 
 export function fileName(title: string, ending: string): string {
   return `${title.replace(/[^\p{L}\p{N}]+/gu, "_")}.${ending}`;
 }
 
-/** Everything in the range as comma separated text; every row where they are not too many. */
-export async function rowsOf(s: PlotSettings, { from, to }: Linked): Promise<string> {
-  const data = await s.load(from, to, 0, new AbortController().signal);
-  const names = [s.along?.name ?? "time_s", ...s.lines.map((l) => `${l.label} (${s.unit})`)];
+/** Numbers as comma separated text; each column has the unit of its own axis. */
+export function csvOf(s: PlotSettings, data: Data): string {
+  const names = [s.along?.name ?? "time_s", ...s.lines.map((l) => `${l.label} (${l.right ? (s.rightUnit ?? "") : s.unit})`)];
   if (s.band) names.push(`${s.band}`, `-${s.band}`);
   const quoted = names.map((n) => (/[",]/.test(n) ? `"${n.replaceAll('"', '""')}"` : n));
   const out = [quoted.join(",")];
@@ -22,20 +21,34 @@ export async function rowsOf(s: PlotSettings, { from, to }: Linked): Promise<str
   return out.join("\n") + "\n";
 }
 
-export function savePng(chart: uPlot, s: PlotSettings): void {
-  const lines = s.lines.map((l, i) => ({ label: l.label, colour: colour(l.label, l.ink ?? i) }));
-  pictureOf(chart, `${s.title}, ${s.unit}`, lines).toBlob((blob) => blob && saveAs(blob, fileName(s.title, "png")));
+/** Everything in the range; every row where they are not too many, and a word where they are. */
+export async function rowsOf(s: PlotSettings, { from, to }: Linked): Promise<string> {
+  const data = await s.load(from, to, 0, new AbortController().signal);
+  if (data.thinned) tell(t("plot.rows_thinned"));
+  return csvOf(s, data);
+}
+
+/** Lines as a picture shows them: in the colours of the plot, without those that are hidden. */
+export function shownLines(s: PlotSettings, hidden: Set<number>): Shown[] {
+  return s.lines.map((l, i) => ({
+    label: l.label,
+    colour: colour(l.label, l.ink ?? i, l.paint),
+    dots: l.dots ?? false,
+    dash: l.dash,
+    right: l.right ?? false,
+    hidden: hidden.has(i),
+  }));
+}
+
+export function savePng(chart: uPlot, s: PlotSettings, hidden: Set<number>): void {
+  const lines = shownLines(s, hidden).filter((l) => !l.hidden);
+  const right = lines.some((l) => l.right) && s.rightUnit ? `; ${s.rightUnit}` : "";
+  pictureOf(chart, `${s.title}, ${s.unit}${right}`, lines).toBlob((blob) => blob && saveAs(blob, fileName(s.title, "png")));
 }
 
 export function saveSvg(chart: uPlot, s: PlotSettings, hidden: Set<number>, linked: Linked): void {
-  const shown = s.lines.map((l, i) => ({
-    label: l.label,
-    colour: colour(l.label, l.ink ?? i),
-    dots: l.dots ?? false,
-    dash: l.dash,
-    hidden: hidden.has(i),
-  }));
   const along = s.along ? `${s.along.label}, ${s.along.unit}` : `${t("plot.time")}, s`;
-  const text = svgOf(chart, { title: s.title, unit: s.unit, along }, shown, s.band ? css("--band") : null, linked.spans);
+  const words = { title: s.title, unit: s.unit, rightUnit: s.rightUnit ?? "", along };
+  const text = svgOf(chart, words, shownLines(s, hidden), s.band ? css("--band") : null, linked.spans);
   saveAs(new Blob([text], { type: "image/svg+xml" }), fileName(s.title, "svg"));
 }

@@ -13,6 +13,18 @@ export interface Mark {
   paint: string;
 }
 
+/** The number of the first of ascending times that is not before `at`; their number where there is none. */
+export function firstFrom(times: number[], at: number): number {
+  let low = 0,
+    high = times.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (times[middle]! < at) low = middle + 1;
+    else high = middle;
+  }
+  return low;
+}
+
 export class Linked {
   from: number;
   to: number;

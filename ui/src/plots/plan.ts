@@ -2,7 +2,7 @@
 import { copyText, css, h, icon, saveAs } from "../dom";
 import { t } from "../i18n";
 import { colour } from "./colours";
-import { Linked, type Mark } from "./linked";
+import { Linked, firstFrom, type Mark } from "./linked";
 import { graticule, type Line, type Plane } from "./graticule";
 import { TileLayer, tileZooms } from "./tiles";
 
@@ -235,15 +235,16 @@ export class PlanView {
     // the first one on top
     for (const track of [...this.tracks].reverse()) if (!this.hidden.has(track.label)) this.line(g, track);
     this.marks(g);
-    for (const m of this.linked?.marks ?? []) this.mark(g, m);
+    // rests and wheels are where nothing was wrong
+    for (const m of this.linked?.marks ?? []) if (m.paint !== "--good") this.mark(g, m);
   }
 
   /** What happened, where it was then. */
   private mark(g: CanvasRenderingContext2D, m: Mark): void {
     const track = this.tracks[0];
     if (!track) return;
-    const i = track.time.findIndex((time) => time >= m.at);
-    if (i < 0) return;
+    const i = firstFrom(track.time, m.at);
+    if (i >= track.time.length) return;
     const [x, y] = this.place(track.east[i] ?? NaN, track.north[i] ?? NaN);
     if (x !== x) return;
     g.strokeStyle = css(m.paint);

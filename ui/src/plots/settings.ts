@@ -24,6 +24,8 @@ export interface Data {
   x: number[];
   /** One for each line, in order; then, for a band, its half width. */
   y: (number | null)[][];
+  /** Every row was asked for, and they were too many. */
+  thinned?: boolean;
 }
 
 export interface PlotSettings {

@@ -3,11 +3,13 @@ import type uPlot from "uplot";
 import { css, h } from "../dom";
 import type { Span } from "./linked";
 
-interface Shown {
+export interface Shown {
   label: string;
   colour: string;
   dots: boolean;
   dash: number[] | undefined;
+  /** On the axis at the right. */
+  right: boolean;
   hidden: boolean;
 }
 
@@ -16,6 +18,8 @@ const escaped = (text: string) => text.replace(/[&<>"]/g, (c) => ({ "&": "&amp;"
 export interface Words {
   title: string;
   unit: string;
+  /** Of the axis at the right, where there is one. */
+  rightUnit: string;
   /** Of the x axis, with its unit. */
   along: string;
 }
@@ -28,12 +32,15 @@ export function svgOf(u: uPlot, words: Words, lines: Shown[], band: string | nul
     height = 300;
   const { min: x0, max: x1 } = u.scales.x as { min: number; max: number };
   const { min: y0, max: y1 } = u.scales.y as { min: number; max: number };
+  const second = lines.some((l) => l.right) ? (u.scales.y2 as { min: number; max: number } | undefined) : undefined;
   const log = u.scales.y!.distr === 3;
   const logX = u.scales.x!.distr === 3;
   const power = (v: number, by: boolean) => (by ? Math.log10(Math.max(v, 1e-12)) : v);
   const px = (v: number) => left + ((power(v, logX) - power(x0, logX)) / (power(x1, logX) - power(x0, logX))) * width;
   const scaled = (v: number) => power(v, log);
   const py = (v: number) => top + (1 - (scaled(v) - scaled(y0)) / (scaled(y1) - scaled(y0))) * height;
+  // the axis at the right is never logarithmic
+  const py2 = (v: number) => top + (1 - (v - second!.min) / (second!.max - second!.min)) * height;
   const x = u.data[0] as number[];
   const seen: number[] = [];
   x.forEach((v, i) => {
@@ -42,14 +49,14 @@ export function svgOf(u: uPlot, words: Words, lines: Shown[], band: string | nul
   const out: string[] = [];
   const text = (at: [number, number], words: string, more = "") =>
     out.push(`<text x="${at[0].toFixed(1)}" y="${at[1].toFixed(1)}" ${more}>${escaped(words)}</text>`);
-  const path = (column: number) => {
+  const path = (column: number, place = py) => {
     const values = u.data[column] as (number | null)[];
     let pen = false;
     return seen
       .map((i) => {
         const v = values[i];
         if (v === null || v === undefined) return (pen = false), "";
-        const point = `${pen ? "L" : "M"}${px(x[i]!).toFixed(2)},${py(v).toFixed(2)}`;
+        const point = `${pen ? "L" : "M"}${px(x[i]!).toFixed(2)},${place(v).toFixed(2)}`;
         pen = true;
         return point;
       })
@@ -90,25 +97,29 @@ export function svgOf(u: uPlot, words: Words, lines: Shown[], band: string | nul
     line([left, py(v)], [left + width, py(v)]);
     text([left - 6, py(v) + 4], String(v), 'text-anchor="end"');
   }
+  if (second)
+    for (const v of ticks(second.min, second.max)) text([left + width + 6, py2(v) + 4], String(v));
   out.push(
     `<clipPath id="c"><rect x="${left}" y="${top}" width="${width}" height="${height}"/></clipPath><g clip-path="url(#c)" fill="none">`,
   );
   if (band) for (const k of [1, 2]) out.push(`<path d="${path(k)}" stroke="${band}"/>`);
   lines.forEach((l, i) => {
     if (l.hidden) return;
+    const place = l.right && second ? py2 : py;
     if (!l.dots)
       out.push(
-        `<path d="${path(i + first)}" stroke="${l.colour}" stroke-width="1.4"${l.dash ? ` stroke-dasharray="${l.dash.join(" ")}"` : ""}/>`,
+        `<path d="${path(i + first, place)}" stroke="${l.colour}" stroke-width="1.4"${l.dash ? ` stroke-dasharray="${l.dash.join(" ")}"` : ""}/>`,
       );
     else
       for (const k of seen) {
         const v = u.data[i + first]![k];
         if (v !== null && v !== undefined)
-          out.push(`<circle cx="${px(x[k]!).toFixed(2)}" cy="${py(v).toFixed(2)}" r="2" fill="${l.colour}"/>`);
+          out.push(`<circle cx="${px(x[k]!).toFixed(2)}" cy="${place(v).toFixed(2)}" r="2" fill="${l.colour}"/>`);
       }
   });
   out.push("</g>");
   text([left, 20], `${words.title}, ${words.unit}`, 'font-weight="600" font-size="14"');
+  if (second && words.rightUnit) text([left + width + 6, top - 4], words.rightUnit);
   text([left + width / 2, top + height + 34], words.along, 'text-anchor="middle"');
   let at = left + width;
   for (const l of [...lines].reverse()) {
@@ -117,7 +128,8 @@ export function svgOf(u: uPlot, words: Words, lines: Shown[], band: string | nul
     out.push(`<path d="M${at},16h18" stroke="${l.colour}" stroke-width="2"/>`);
     text([at + 22, 20], l.label);
   }
-  const whole = `viewBox="0 0 ${left + width + 20} ${top + height + 44}" width="${left + width + 20}" height="${top + height + 44}"`;
+  const wide = left + width + (second ? 70 : 20);
+  const whole = `viewBox="0 0 ${wide} ${top + height + 44}" width="${wide}" height="${top + height + 44}"`;
   return `<svg xmlns="http://www.w3.org/2000/svg" ${whole} font-family="sans-serif" font-size="12" fill="${css("--text")}">${out.join("\n")}</svg>\n`;
 }
 

@@ -1,6 +1,6 @@
 // A plot over time: linked with the others of its page, thinned by the server, refined as one zooms in.
 import uPlot from "uplot";
-import { copyText, css, h, icon, quietly, replace, saveAs } from "../dom";
+import { copyText, css, h, icon, quietly, replace, saveAs, steadily } from "../dom";
 import { t } from "../i18n";
 import { axesOf, limitsOf, seriesOf } from "./chart";
 import { fileName, rowsOf, savePng, saveSvg } from "./exports";
@@ -42,12 +42,18 @@ export class TimePlot {
   private request: AbortController | null = null;
   private inSight = false;
   private stale = true;
-  /** Limits of y that a box has chosen. */
-  private box: [number, number] | null = null;
+  /** Limits that a box has chosen, of y and of the axis at the right. */
+  private box: Record<string, [number, number]> = {};
   /** The last attempt to load its numbers failed. */
   failed = false;
   private readonly hidden = new Set<number>();
+  private loading = false;
   private readonly refine = quietly(60, () => void this.fetch());
+  /** While the range moves on and on, what comes into it is loaded; what is coarse waits until it rests. */
+  private readonly chase = steadily(120, () => {
+    const [a, b] = this.loaded ?? [Infinity, -Infinity];
+    if (!this.loading && (this.linked.from < a || this.linked.to > b)) void this.fetch();
+  });
 
   constructor(
     readonly settings: PlotSettings,
@@ -87,7 +93,7 @@ export class TimePlot {
       this.button("↺", t("plot.reset"), () => this.reset()),
       this.button(icon("lines"), t("plot.lines"), () => this.toggleLines()),
       this.button(icon("copy"), t("plot.copy"), () => void rowsOf(this.settings, this.linked).then((text) => copyText(text, this.settings.title))),
-      this.button("PNG", t("plot.png"), () => this.chart && savePng(this.chart, this.settings)),
+      this.button("PNG", t("plot.png"), () => this.chart && savePng(this.chart, this.settings, this.hidden)),
       this.button("SVG", t("plot.svg"), () => this.chart && saveSvg(this.chart, this.settings, this.hidden, this.linked)),
       this.button(
         "CSV",
@@ -144,6 +150,7 @@ export class TimePlot {
     }
     this.chart?.setScale("x", { min: this.linked.from, max: this.linked.to });
     this.refine();
+    this.chase();
   }
 
   private async fetch(): Promise<void> {
@@ -158,6 +165,7 @@ export class TimePlot {
     const range: [number, number] = whole ? [start, stop] : [from - span * 0.75, to + span * 0.75];
     this.request?.abort();
     const request = (this.request = new AbortController());
+    this.loading = true;
     try {
       const points = Math.min(20000, Math.round(this.width * (whole ? 1 : 2.5)));
       const data = await this.settings.load(whole ? undefined : range[0], whole ? undefined : range[1], points, request.signal);
@@ -169,12 +177,14 @@ export class TimePlot {
         this.element.hidden = true;
         return;
       }
-      this.note.textContent = data.x.length === 0 ? t("plot.empty") : "";
+      this.note.textContent = data.x.length === 0 ? t("plot.empty") : data.thinned ? `⚠ ${t("plot.thinned")}` : "";
       this.show();
     } catch (e) {
       if (request.signal.aborted) return;
       this.failed = true;
       this.note.textContent = String((e as Error).message);
+    } finally {
+      if (this.request === request) this.loading = false;
     }
   }
 
@@ -199,15 +209,18 @@ export class TimePlot {
       const b = Math.min(bbox.left + bbox.width, u.valToPos(s.to, "x", true));
       if (b > a) ctx.fillRect(a, bbox.top, b - a, bbox.height);
     }
-    // what happened, as short strokes at the upper edge
-    for (const m of this.linked.marks) {
-      const x = u.valToPos(m.at, "x", true);
-      if (x < bbox.left || x > bbox.left + bbox.width || this.settings.along) continue;
-      ctx.strokeStyle = css(m.paint);
-      ctx.lineWidth = 1.5 * devicePixelRatio;
+    // what happened, as short strokes at the upper edge: a path of each colour
+    const marks = this.settings.along ? [] : this.linked.marks.filter((m) => m.at >= this.linked.from && m.at <= this.linked.to);
+    ctx.lineWidth = 1.5 * devicePixelRatio;
+    for (const paint of new Set(marks.map((m) => m.paint))) {
+      ctx.strokeStyle = css(paint);
       ctx.beginPath();
-      ctx.moveTo(x, bbox.top);
-      ctx.lineTo(x, bbox.top + 9 * devicePixelRatio);
+      for (const m of marks) {
+        if (m.paint !== paint) continue;
+        const x = u.valToPos(m.at, "x", true);
+        ctx.moveTo(x, bbox.top);
+        ctx.lineTo(x, bbox.top + 9 * devicePixelRatio);
+      }
       ctx.stroke();
     }
     ctx.restore();
@@ -224,9 +237,9 @@ export class TimePlot {
           ...(s.logY ? { distr: 3 as const } : {}),
           // names are read from the top
           ...(s.names ? { dir: -1 as const } : {}),
-          range: (_, min, max) => this.box ?? limitsOf(s, min, max, (a, b) => this.usual(a, b)),
+          range: (_, min, max) => this.box.y ?? limitsOf(s, min, max, (a, b) => this.usual(a, b)),
         },
-        ...(s.lines.some((l) => l.right) ? { y2: { range: (_: uPlot, min: number, max: number) => limitsOf({ ...s, logY: false }, min, max, (a, b) => [a, b]) } } : {}),
+        ...(s.lines.some((l) => l.right) ? { y2: { range: (_: uPlot, min: number, max: number) => this.box.y2 ?? limitsOf({ ...s, logY: false }, min, max, (a, b) => [a, b]) } } : {}),
       },
       axes: axesOf(s),
       ...seriesOf(s, this.hidden),
@@ -288,21 +301,22 @@ export class TimePlot {
     if (width < 4 && height < 4) return;
     const a = u.posToVal(left, "x"),
       b = u.posToVal(left + width, "x");
-    const high = u.posToVal(top, "y"),
-      low = u.posToVal(top + height, "y");
+    const limits = (scale: string): [number, number] => [u.posToVal(top + height, scale), u.posToVal(top, scale)];
+    // both axes: a box holds what lies in it, whichever axis that is drawn on
+    const chosen = Object.fromEntries(["y", "y2"].filter((scale) => u.scales[scale]).map((scale) => [scale, limits(scale)]));
     u.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
     const boxed = height > 0 && height < u.over.clientHeight - 1;
     if (width > 4 && width < u.over.clientWidth) this.linked.set(a, b);
-    if (boxed) this.lockY(low, high);
+    if (boxed) this.lock(chosen);
   }
 
-  private lockY(low: number, high: number): void {
-    this.box = [low, high];
-    this.chart?.setScale("y", { min: low, max: high });
+  private lock(limits: Record<string, [number, number]>): void {
+    this.box = limits;
+    for (const [scale, [min, max]] of Object.entries(limits)) this.chart?.setScale(scale, { min, max });
   }
 
   reset(): void {
-    this.box = null;
+    this.box = {};
     this.linked.reset();
     if (this.chart) this.draw();
   }

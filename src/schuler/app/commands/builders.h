@@ -204,6 +204,7 @@ Command command(std::string name, std::string purpose, std::string examples, Opt
         }
         if constexpr (requires { request.version; }) request.version = context.version;
         if constexpr (requires { request.progress; }) request.progress = context.progress;
+        if constexpr (requires { request.stage; }) request.stage = context.stage;
         table.apply(given, request);
         if constexpr (requires { request.jobs; }) {
             if (request.jobs == 0) request.jobs = context.threads;
