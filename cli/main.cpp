@@ -41,6 +41,32 @@ std::string one_line(std::string text) {
 
 void complain(const std::string& text) { fmt::print(stderr, "schuler: {}\n", one_line(text)); }
 
+/// What the command was to read, and how to need less memory.
+struct Asked {
+    std::string input, less;
+};
+
+Asked asked_of(const cli::CommandLine& line) {
+    const app::Command* command = app::command_named(line.command);
+    const auto given = line.given.find(line.command);
+    if (command == nullptr || given == line.given.end()) return {};
+    Asked out;
+    const auto has = [&](const char* key) {
+        return std::ranges::find(command->options, key, &settings::OptionSpec::key) != command->options.end();
+    };
+    for (const settings::OptionSpec& spec : command->options) {
+        if (!spec.line.positional || !out.input.empty()) continue;
+        if (const auto word = given->second.word.find(spec.key); word != given->second.word.end()) out.input = word->second;
+        const auto words = given->second.words.find(spec.key);
+        if (words != given->second.words.end() && !words->second.empty())
+            out.input = fmt::format("{}", fmt::join(words->second, ", "));
+    }
+    out.less = has("start") && has("stop") ? "process a part of the data with --start and --stop"
+               : has("scenario")           ? "simulate a shorter time, or at lower rates"
+                                           : "give a part of the data";
+    return out;
+}
+
 /// Displays the outcome of a command: the result on standard output, everything else on standard error.
 void show(const report::Outcome& out, const cli::CommandLine& line) {
     if (!line.quiet) {
@@ -136,6 +162,7 @@ int main(int argc, char** argv) {
         complain(fmt::format("{}; see `schuler{} --help`", one_line(e.what()), cli::command_in(argc, argv, parser)));
         return input_unusable;
     }
+    const Asked asked = asked_of(line);  // before memory is short
     std::shared_ptr<Team> team;
     const auto failed = [&team](int status) {
         if (team) cli::end_team(*team, status);
@@ -169,7 +196,7 @@ int main(int argc, char** argv) {
         complain(of_option ? fmt::format("{}; see `schuler {} --help`", e.what(), line.command) : std::string(e.what()));
         return failed(e.kind() == ErrorKind::Input ? input_unusable : computation_failed);
     } catch (const std::bad_alloc&) {
-        complain("out of memory; process a part of the data with --start and --stop");
+        complain(fmt::format("{}out of memory; {}", asked.input.empty() ? "" : asked.input + ": ", asked.less));
     } catch (const std::exception& e) {
         complain(fmt::format("unexpected failure: {}", e.what()));
     } catch (...) {

@@ -126,6 +126,7 @@ void add_commands(CLI::App& parser, CommandLine& line) {
         "Examples:\n  schuler demo\n  schuler inspect drive/\n  schuler process drive/ --smooth\n  schuler evaluate "
         "out/drive/solution.csv truth.csv\n"
         "`schuler COMMAND --help` or `schuler help COMMAND` lists the options of a command.\n"
+        "Inputs are files and folders, not pipes; samples as they arrive are read by `schuler live`.\n"
         "Exit status: 0 done, 1 the computation failed, 2 the input or the command line is unusable.");
     for (const app::Command& command : app::commands()) add_listed(parser, line, command);
     add_own(parser, line);
@@ -151,6 +152,10 @@ settings::SettingList settings_of(const app::Command& command, const CommandLine
         }
         std::vector<std::string> words =
             is_list(spec) ? given.words.at(spec.key) : std::vector<std::string>{given.word.at(spec.key)};
+        if (spec.line.file && std::ranges::find(words, "-") != words.end())  // files are read more than once, and written beside
+            throw input_error(
+                "\"-\" is no file: neither is standard input read nor standard output written to", place,
+                "copy what a pipe delivers into a file and name that; samples as they arrive are read by `schuler live`");
         if (spec.key == "set") words.insert(words.end(), given.loose.begin(), given.loose.end());
         out.push_back({spec.key, settings::value_from_words(spec, words), place});
     }

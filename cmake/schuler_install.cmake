@@ -29,6 +29,8 @@ if(TARGET schuler_cli)
             RENAME schuler COMPONENT program OPTIONAL)
     install(FILES "${PROJECT_BINARY_DIR}/shell/_schuler" DESTINATION "${CMAKE_INSTALL_DATADIR}/zsh/site-functions" COMPONENT program OPTIONAL)
 endif()
+# systemd looks for units of packages here, whatever the library folder is called
+install(FILES "${PROJECT_SOURCE_DIR}/examples/live/schuler-live.service" DESTINATION lib/systemd/system COMPONENT program)
 if(EXISTS "${PROJECT_SOURCE_DIR}/data")
     install(DIRECTORY "${PROJECT_SOURCE_DIR}/data/" DESTINATION "${CMAKE_INSTALL_DATADIR}/schuler" COMPONENT program)
 endif()

@@ -3,8 +3,8 @@
 
     scripts/mutate.py [--count N] [--seed S] [--room NAME]... [--folder FOLDER] [--list]
 
-What is changed: a sign, a factor or constant, a comparison, an index of an axis, in the filter, the mechanization, the estimation, the
-time scales and the decoders. The copy and its build are kept in FOLDER (build-mutation), so that a second call starts faster. A mutant
+What is changed: a sign, a factor or constant, a whole number, a shift, a comparison, an index of an axis, in the filter, the mechanization,
+the estimation, the time scales and the decoders. The copy and its build are kept in FOLDER (build-mutation), so that a second call starts faster. A mutant
 that does not compile does not count; one whose tests run ten times as long as usual counts as noticed. Survivors are printed as a diff.
 """
 import argparse
@@ -20,26 +20,57 @@ ROOT = Path(__file__).resolve().parent.parent
 
 # Room: its files, the test programs that are to notice.
 ROOMS = {
-    "ins": (["ins/*.cpp"], ["test_ins", "test_filter"]),
-    "filter": (["filter/*.cpp", "filter/measurement/*.cpp"], ["test_filter", "test_fusion"]),
-    "estim": (["estim/*.cpp", "estim/*.h"], ["test_estim", "test_filter"]),
-    "core": (["core/time*.cpp", "core/calendar*.cpp", "core/leap*.cpp"], ["test_core", "test_io"]),
-    "gnss": (["gnss/*.cpp", "gnss/model/*.cpp"], ["test_gnss"]),
-    "io": (["io/receiver/*.cpp", "io/rinex/*.cpp"], ["test_io"]),
+    "ins": (["ins/**/*.cpp"], ["test_ins", "test_filter"]),
+    "filter": (["filter/**/*.cpp"], ["test_filter", "test_fusion"]),
+    "estim": (["estim/**/*.cpp", "estim/**/*.h"], ["test_estim", "test_filter"]),
+    "core": (["core/time*.cpp", "core/time*.h"], ["test_core", "test_io"]),
+    "gnss": (["gnss/**/*.cpp", "gnss/system_time.h"], ["test_gnss"]),
+    "io": (["io/receiver/**/*.cpp", "io/receiver/**/*.h", "io/rinex/**/*.cpp", "io/container/**/*.cpp", "io/detail/*.h"], ["test_io"]),
 }
 
+CODE = r"(?<![\w.])(?<!\de[+-])"     # before a number: it is not the rest of a name or of another number
+
+
+def half_more(text):
+    return repr(1.5 * float(text))
+
+
+def one_more(text):
+    return str(int(text) + 1)
+
+
+# What is looked for, and what comes in its place: a text, or a function of what was found.
 CHANGES = [
     (re.compile(r"(?<=[\w\)\]] )\+(?= [\w\(])"), "-"),
     (re.compile(r"(?<=[\w\)\]] )-(?= [\w\(])"), "+"),
-    (re.compile(r"(?<=[\(=,] )-(?=[A-Za-z])|(?<=\()-(?=[A-Za-z])"), ""),
+    (re.compile(r"(?<=[\w\)\]] )\+=(?= )"), "-="),
+    (re.compile(r"(?<=[\w\)\]] )-=(?= )"), "+="),
+    (re.compile(r"(?<=[\(=,] )-(?=[A-Za-z])|(?<=\()-(?=[A-Za-z])|(?<=return )-(?=[A-Za-z\(])"), ""),
     (re.compile(r"(?<=[\w\)\]] )\*(?= [\w\(])"), "/"),
+    (re.compile(r"(?<=[\w\)\]] )/(?= [\w\(])"), "*"),
     (re.compile(r"(?<=[\w\)\]] )<(?= [\w\(])"), ">="),
     (re.compile(r"(?<=[\w\)\]] )>(?= [\w\(])"), "<="),
-    (re.compile(r"(?<![\w.])([2-9]|[1-9]\d*)\.0(?![\w.])"), None),   # a constant times 1.5
+    (re.compile(r"(?<=[\w\)\]] )(?:<=)(?= [\w\(])"), ">"),
+    (re.compile(r"(?<=[\w\)\]] )(?:>=)(?= [\w\(])"), "<"),
+    (re.compile(r"(?<=[\w\)\]] )==(?= [\w\(])"), "!="),
+    (re.compile(r"(?<=[\w\)\]] )!=(?= [\w\(])"), "=="),
+    (re.compile(r"(?<=[\w\)\]] )<<(?= [\w\(])"), ">>"),
+    (re.compile(r"(?<=[\w\)\]] )>>(?= [\w\(])"), "<<"),
+    # constants: 2.0, 0.5, 1e-3 and 1.602e-19 times 1.5; whole numbers, 12 and 0x1F, one more
+    (re.compile(CODE + r"(?:\d+\.\d*(?:e[+-]?\d+)?|\d+e[+-]?\d+)(?![\w.])"), half_more),
+    (re.compile(CODE + r"(?:[2-9]|[1-9]\d+)(?![\w.'])"), one_more),
+    (re.compile(CODE + r"0x[0-9A-Fa-f]+(?![\w.'])"), lambda text: hex(int(text, 16) + 1)),
     (re.compile(r"\.x\(\)"), ".y()"),
+    (re.compile(r"\.y\(\)"), ".z()"),
     (re.compile(r"\.z\(\)"), ".x()"),
     (re.compile(r"(?<=[\w\)] )&&(?= [\w\(!])"), "||"),
+    (re.compile(r"(?<=[\w\)] )\|\|(?= [\w\(!])"), "&&"),
 ]
+
+
+def is_templates(code, match):
+    """A shift or a comparison that is the end of template arguments, `Matrix<double, 3> a`."""
+    return match.group() in ("<", ">", "<<", ">>") and re.search(r"[A-Za-z_]\w*<[^()]*$", code[:match.start()]) is not None
 
 
 def sites(file):
@@ -51,10 +82,23 @@ def sites(file):
             continue
         for pattern, by in CHANGES:
             for match in pattern.finditer(code):
-                replacement = by if by is not None else repr(1.5 * float(match.group()))
+                replacement = by(match.group()) if callable(by) else by
+                if replacement == match.group() or is_templates(code, match):
+                    continue
                 changed = code[:match.start()] + replacement + code[match.end():]
                 found.append((number, changed + line[len(code):]))
     return found
+
+
+def files_of(room, source=ROOT / "src/schuler"):
+    """Its files; a pattern without any would let a folder that was renamed pass unseen."""
+    files = set()
+    for glob in ROOMS[room][0]:
+        some = sorted(source.glob(glob))
+        if not some:
+            sys.exit(f"mutate: {room}: no file matches {glob}")
+        files.update(some)
+    return sorted(files)
 
 
 def run(command, limit, **options):
@@ -107,8 +151,7 @@ def main():
     asked = parser.parse_args()
     rooms = asked.room or sorted(ROOMS)
 
-    places = [(room, file, number, changed) for room in rooms for glob in ROOMS[room][0] for file in sorted((ROOT / "src/schuler").glob(glob))
-              for number, changed in sites(file)]
+    places = [(room, file, number, changed) for room in rooms for file in files_of(room) for number, changed in sites(file)]
     if asked.list:
         print("\n".join(f"{room}: {sum(place[0] == room for place in places)} places" for room in rooms))
         return

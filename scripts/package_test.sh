@@ -29,7 +29,7 @@ for library in libc6 libhdf5 libgeographiclib libmatio libsqlite3 libyaml-cpp; d
 done
 contents=$(dpkg-deb --contents "$deb" | awk '{ print $6 }')
 for file in bin/schuler lib/libschuler.a include/schuler/filter/navigator.h share/man/man1/schuler.1 \
-    share/bash-completion/completions/schuler share/zsh/site-functions/_schuler share/schuler/wmm2025.wmm share/schuler/octave/schuler_load.m; do
+    share/bash-completion/completions/schuler share/zsh/site-functions/_schuler share/schuler/wmm2025.wmm share/schuler/octave/schuler_load.m lib/systemd/system/schuler-live.service; do
     grep -Eq "^\./usr/(.*/)?${file##*/}$" <<<"$contents" || fail "$file is not in the package"
 done
 grep -q 'pkgconfig/schuler\.pc$' <<<"$contents" || fail "schuler.pc is not in the package"
@@ -57,6 +57,34 @@ result="$place"
 [ "${SCHULER_BARE_ROOT:-0}" != 1 ] || result="$root$place"
 grep -q '"verdict"' "$result/summary.json" || fail "schuler demo wrote no summary.json"
 echo "program: demo in $((SECONDS - demo)) s"
+
+# the page: its server starts from the package, gives the page to who has the token, and ends when it is told to
+mkfifo "$work/address"
+"${inside[@]}" "$program" ui --port 0 --workspace "${place%/*}/workspace" >"$work/address" &
+server=$!
+read -r -t 30 line <"$work/address" || { kill "$server"; fail "schuler ui does not say where it is"; }
+/usr/bin/python3 -B - "${line##* }" <<'PYTHON' || { kill "$server"; fail "schuler ui from the package"; }
+import http.client
+import sys
+from urllib.parse import urlsplit
+
+place = urlsplit(sys.argv[1])
+link = http.client.HTTPConnection(place.hostname, place.port, timeout=30)
+link.request("GET", f"{place.path}?{place.query}")
+reply = link.getresponse()
+reply.read()
+cookie = reply.headers["Set-Cookie"].split(";")[0]
+for path, part in (("/", b"<html"), ("/api/about", b"version")):
+    link = http.client.HTTPConnection(place.hostname, place.port, timeout=30)
+    link.request("GET", path, headers={"Cookie": cookie})
+    reply = link.getresponse()
+    content = reply.read()
+    if reply.status != 200 or part not in content:
+        sys.exit(f"{path}: {reply.status} {content[:200]!r}")
+PYTHON
+kill "$server"
+wait "$server" || fail "schuler ui ends with $?"
+echo "page: served, and ended"
 
 if [ "${SCHULER_BARE_ROOT:-0}" != 1 ]; then
     if [ -d "$root/usr/lib/python3/dist-packages/schuler" ] && "$python" -c "import numpy" 2>/dev/null; then

@@ -40,6 +40,7 @@ test=(
 )
 develop=(
     gcovr                           # scripts/coverage.sh
+    cppcheck                        # scripts/trust analysis
     python3-mpmath                  # tests/theory/make_equator_table.py
 )
 embedded=(

@@ -1,13 +1,18 @@
 // The only part that depends on the HTTP library.
 #include "schuler/core/error.h"
 #include "serve/assets.h"
+#include "serve/connections.h"
 #include "serve/guard.h"
 #include "serve/server.h"
 
 #include <fmt/format.h>
 #include <httplib.h>
 
+#include <poll.h>
+#include <sys/socket.h>
+
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <fstream>
@@ -17,8 +22,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// A slow connection occupies a thread: there are more threads than one client can easily occupy.
-constexpr std::size_t longest_path = 2000, threads = 256, most_listeners = 12;
+/// A slow connection occupies a thread. From `most_connections` on strangers make room for those that come (connections.h).
+constexpr std::size_t longest_path = 2000, threads = 256, most_connections = 240, most_listeners = 12;
 /// Time limit for a body, s, and the addition for each MB.
 constexpr double body_time = 20.0, body_time_per_mb = 2.0;
 constexpr std::uintmax_t most_drained = 64u << 20;
@@ -75,22 +80,87 @@ std::string type_of_asset(std::string_view path) {
     return "text/plain; charset=utf-8";
 }
 
+/// The library's view of a connection. It asks for the head byte by byte.
+class ConnectionStream final : public httplib::Stream {
+public:
+    explicit ConnectionStream(Connections::Open& open) : open_(open) {}
+    bool is_readable() const override { return begin_ < end_ || open_.ready(POLLIN, Connections::Open::read_time); }
+    bool is_writable() const override {
+        if (!open_.ready(POLLOUT, Connections::Open::write_time)) return false;
+        char byte = 0;  // closed by the other end?
+        return !open_.ready(POLLIN, 0.0) || recv(open_.fd(), &byte, 1, MSG_PEEK) > 0;
+    }
+    ssize_t read(char* to, std::size_t size) override {
+        if (begin_ == end_) {
+            if (size >= buffer_.size()) return open_.read(to, size);
+            const ssize_t got = open_.read(buffer_.data(), buffer_.size());
+            if (got <= 0) return got;
+            begin_ = 0;
+            end_ = static_cast<std::size_t>(got);
+        }
+        size = std::min(size, end_ - begin_);
+        std::copy_n(buffer_.data() + begin_, size, to);
+        begin_ += size;
+        return static_cast<ssize_t>(size);
+    }
+    ssize_t write(const char* from, std::size_t size) override { return open_.write(from, size); }
+    void get_remote_ip_and_port(std::string&, int&) const override {}
+    void get_local_ip_and_port(std::string&, int&) const override {}
+    socket_t socket() const override { return open_.fd(); }
+
+private:
+    Connections::Open& open_;
+    std::array<char, 4096> buffer_{};
+    std::size_t begin_ = 0, end_ = 0;
+};
+
+/// One request per connection: the unread remainder of a refused request must not be interpreted as the next one.
+class OneRequestServer final : public httplib::Server {
+public:
+    explicit OneRequestServer(Connections& connections) : connections_(connections) {
+        new_task_queue = [this] { return new Queue(connections_); };
+    }
+
+private:
+    /// Threads, before which strangers make room.
+    class Queue final : public httplib::TaskQueue {
+    public:
+        explicit Queue(Connections& connections) : connections_(connections), pool_(threads) {}
+        void enqueue(std::function<void()> take_up) override {
+            connections_.accepted();
+            pool_.enqueue(std::move(take_up));
+        }
+        void shutdown() override {
+            connections_.end();  // the threads are waited for
+            pool_.shutdown();
+        }
+
+    private:
+        Connections& connections_;
+        httplib::ThreadPool pool_;
+    };
+
+    bool process_and_close_socket(socket_t fd) override {
+        Connections::Open open(connections_, fd);
+        ConnectionStream stream(open);
+        bool closed = false;
+        return process_request(stream, true, closed, nullptr);
+    }
+
+    Connections& connections_;
+};
+
 }  // namespace
 
 struct Server::Http {
     explicit Http(ServerSettings s) : settings(std::move(s)), service(settings.service) {
         guard.address = settings.address;
         guard.token = random_token();  // also required locally: other users of this machine must not have access
-        http.new_task_queue = [] { return new httplib::ThreadPool(threads); };
-        // One request per connection: the unread remainder of a refused request must not be interpreted as the next one.
-        http.set_keep_alive_max_count(1);
         // The library's default options would permit a second server on the same port.
         http.set_socket_options([](socket_t sock) {
             const int yes = 1;
             setsockopt(sock, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
         });
-        http.set_read_timeout(10);
-        http.set_write_timeout(30);
         http.set_tcp_nodelay(true);
         http.set_payload_max_length(static_cast<std::size_t>(settings.service.max_upload) + (1u << 20));
         http.set_exception_handler([this](const auto&, httplib::Response& res, std::exception_ptr) {
@@ -186,6 +256,7 @@ struct Server::Http {
         if (req.has_header("Range")) return give(res, refused({416, "parts of files are not served"}));
         const bool entering = req.path == "/" && req.has_param("token");
         if (const auto no = refusal(req); no && !(entering && no->status == 401)) return give(res, refused(*no));
+        if (!entering) connections.trust();
         if (entering) {
             if (!same_secret(req.get_param_value("token"), guard.token)) return give(res, refused({401, "the token is wrong"}));
             Reply on;
@@ -239,6 +310,7 @@ struct Server::Http {
                          "send one file as the body of PUT /api/datasets/{dataset}/files/{file}"};
         std::string body;
         try {
+            if (!no) connections.trust();
             if (no) {
                 drain(req, read);
             } else if (Service::is_upload(req.method, req.path)) {
@@ -298,7 +370,8 @@ struct Server::Http {
     std::atomic<bool> stopping{false};
     std::atomic<int> listeners{0};
     Service service;
-    httplib::Server http;
+    Connections connections{most_connections};
+    OneRequestServer http{connections};
 };
 
 Server::Server(ServerSettings settings) : http_(std::make_unique<Http>(std::move(settings))) {}
@@ -314,6 +387,7 @@ bool Server::serve() { return http_->http.listen_after_bind(); }
 
 void Server::stop() {
     http_->stopping = true;
+    http_->service.hurry();
     http_->http.stop();
 }
 

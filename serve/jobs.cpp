@@ -104,6 +104,7 @@ bool Jobs::start(JobOrder order) {
     Child& child = children_.emplace_back();
     child.report.id = order.id;
     child.order = std::move(order);
+    child.cancelled = no_asides_ && child.order.aside;
     changed(child);
     wake();
     return true;
@@ -119,6 +120,17 @@ bool Jobs::cancel(const std::string& id) {
         return true;
     }
     return false;
+}
+
+void Jobs::cancel_asides() {
+    const std::lock_guard lock(mutex_);
+    no_asides_ = true;
+    for (Child& child : children_) {
+        if (!child.order.aside || ended(child.report.state)) continue;
+        child.cancelled = true;
+        if (child.pid > 0) kill(-child.pid, SIGKILL);
+    }
+    wake();
 }
 
 bool Jobs::forget(const std::string& id) {

@@ -57,6 +57,8 @@ public:
     bool start(JobOrder order);
     /// False if there is nothing to cancel.
     bool cancel(const std::string& id);
+    /// Cancels all jobs aside, and those that are still started: nobody waits for an answer any more.
+    void cancel_asides();
     /// Removes a job that has ended. False while it is active.
     bool forget(const std::string& id);
     [[nodiscard]] std::optional<JobReport> report(const std::string& id) const;
@@ -84,7 +86,7 @@ private:
     mutable std::mutex mutex_;
     mutable std::condition_variable change_;
     std::uint64_t version_ = 0;
-    bool stopping_ = false;
+    bool stopping_ = false, no_asides_ = false;
     int wake_[2] = {-1, -1};
     std::list<Child> children_;
     std::thread thread_;

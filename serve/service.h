@@ -52,6 +52,9 @@ public:
     /// Never throws: refusals and errors are returned as replies.
     [[nodiscard]] Reply answer(Request request) noexcept;
 
+    /// The server ends: what is being computed for an answer is not waited for.
+    void hurry() { jobs_.cancel_asides(); }
+
     /// The file created by an upload to this path; `length`: as announced, 0 if unknown. @throws Refusal
     [[nodiscard]] std::unique_ptr<Upload> upload(const std::string& path, std::uintmax_t length);
     /// True if a request is an upload, whose body is not JSON.

@@ -308,5 +308,57 @@ def live_outputs(program, source):
         check(part in program("live", str(bad), status=2).stderr, wrong)
 
 
+def live_service(program, source):
+    """Under a service manager: standard error is a socket, and the log arrives; the manager hears when the inputs stand, that the loop turns
+    (and not when it hangs), and the end."""
+    described = drive(program, source, seconds=60)
+    late, number, folder = port(), port(), Path(program.folder)
+    file = configured(program, described, f"tcp-listen://127.0.0.1:{number}", '[[output]]\nto = "file:now.jsonl"\n')
+    file.write_text(re.sub(r'(?m)(^\[baro\]\n)source = .*$', rf'\1source = "tcp://127.0.0.1:{late}"', file.read_text()))
+    manager = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+    manager.bind(str(folder / "notify"))
+    manager.settimeout(0.05)
+    heard = []
+
+    def hear(seconds, wanted=None):
+        """What the manager hears until then, or until `wanted`; all of it is in `heard`."""
+        fresh, end = [], time.monotonic() + seconds
+        while time.monotonic() < end and not (wanted and any(wanted in text for text in fresh)):
+            try:
+                fresh.append(manager.recv(4096).decode())
+            except TimeoutError:
+                pass
+        heard.extend(fresh)
+        return fresh
+
+    journal, stderr = socket.socketpair()
+    process = subprocess.Popen([program.path, "live", str(file)], cwd=folder, stdout=subprocess.DEVNULL, stderr=stderr, stdin=subprocess.DEVNULL,
+                               env={**os.environ, "NOTIFY_SOCKET": str(folder / "notify"), "WATCHDOG_USEC": "400000"})
+    atexit.register(lambda: process.poll() is None and process.kill())
+    stderr.close()
+    fresh = hear(1.5)
+    check("READY=1" not in fresh, f"ready although a source is not there: {fresh}")
+    check(4 <= fresh.count("WATCHDOG=1") <= 12 and any(text.startswith("STATUS=waiting_for_imu") for text in fresh), f"{fresh}")
+    with socket.create_server(("127.0.0.1", late)):
+        check("READY=1" in hear(40.0, "READY=1"), f"not ready: {heard}")
+        program("replay", "drive", "--to", f"tcp://127.0.0.1:{number}", "--speed", "0")
+        check(any("navigating" in text for text in hear(40.0, "STATUS=navigating")), f"{heard}")
+        process.send_signal(signal.SIGSTOP)
+        time.sleep(0.3)
+        hear(0.2)
+        check("WATCHDOG=1" not in hear(1.0), "it says that it turns, and does not")
+        process.send_signal(signal.SIGCONT)
+        check("WATCHDOG=1" in hear(5.0, "WATCHDOG=1"), "it turns again")
+        process.send_signal(signal.SIGTERM)
+        check(process.wait(60) == 0, f"exit status {process.returncode}")
+    hear(0.3)
+    check(heard.count("READY=1") == 1 and heard[-1] == "STOPPING=1", f"{heard[-3:]}")
+    journal.settimeout(5)
+    log = b"".join(iter(lambda: journal.recv(65536), b"")).decode()
+    check("connected" in log and "navigating" in log and "stopped after" in log, f"the log on a socket: {log!r}")
+    bad = configured(program, described, "stdin", '[[output]]\nto = "stdout"\n', name="bad.toml", more='log = "missing/live.log"')
+    check(all(part in program("live", str(bad), status=2).stderr for part in ("bad.toml", "live.log", "cannot be opened")), "a log that cannot be opened")
+
+
 if __name__ == "__main__":
-    main({"live_replay": live_replay, "live_gauges": live_gauges, "live_trouble": live_trouble, "live_state": live_state, "live_satellites": live_satellites, "live_outputs": live_outputs})
+    main({"live_service": live_service, "live_replay": live_replay, "live_gauges": live_gauges, "live_trouble": live_trouble, "live_state": live_state, "live_satellites": live_satellites, "live_outputs": live_outputs})

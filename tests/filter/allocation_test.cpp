@@ -12,8 +12,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <atomic>
 #include <cstdlib>
+#include <limits>
 #include <new>
 #include <variant>
 #include <vector>
@@ -117,9 +119,11 @@ TEST(Allocation, NoneInTheWalk) {
     EXPECT_EQ(allocations_of_a_run<EarthFixedFrame>(), 0);
 }
 
-/// Feeds all samples, asks for the state after each and saves in the middle; returns what was allocated after the making.
-long allocations_of_a_stream(const Recording& recording, const Settings& settings, Phase last = Phase::Navigating) {
-    const Batch batch = run_batch(recording, settings);
+/// Feeds all samples, asks for the state after each and saves in the middle; returns what was allocated after the making. `sound`: the
+/// log as it was, if the samples are spoilt.
+long allocations_of_a_stream(const Recording& recording, const Settings& settings, const Recording* sound = nullptr) {
+    constexpr Phase last = Phase::Navigating;
+    const Batch batch = run_batch(sound != nullptr ? *sound : recording, settings);
     NavigatorMade made = Navigator::make(stream_settings(recording, settings, batch));
     EXPECT_TRUE(made) << made.key << made.reason;
     Navigator& navigator = *made.navigator;
@@ -221,6 +225,49 @@ TEST(Allocation, NoneInTheRareWays) {
     disputed.settings.integrity.use = true;
     disputed.settings.integrity.window = 10.0;
     EXPECT_EQ(allocations_of_a_stream(disputed.recording, disputed.settings), 0);
+}
+
+/// Samples that are no numbers, infinite, absurd, or have such sigmas, among sound ones: of every instrument.
+TEST(Allocation, NoneFromSamplesThatAreNoNumbers) {
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinite = std::numeric_limits<double>::infinity();
+    auto spoilt = [n = 0]() mutable {
+        return std::array{nan, infinite, -infinite, 1e300, -1e300, 5e-324}[static_cast<std::size_t>(n++ % 6)];
+    };
+    const StreamLog car = car_log(61);
+    Recording r = car.recording;
+    const auto some = [](auto& samples, std::size_t every, const auto& spoil) {
+        for (std::size_t i = every - 1; i < samples.size(); i += every) spoil(samples[i], i / every);
+    };
+    some(r.imu, 50,
+         [&](ImuSample& s, std::size_t i) { (i % 2 == 0 ? s.gyro : s.accel)(static_cast<Eigen::Index>(i % 3)) = spoilt(); });
+    some(r.gnss, 3, [&](GnssFix& s, std::size_t i) {
+        if (i % 4 == 0) s.position.lat = spoilt();
+        else if (i % 4 == 1) s.velocity_n.setConstant(spoilt());
+        else if (i % 4 == 2) s.std_position.setConstant(spoilt());
+        else s.position_age = spoilt();
+    });
+    some(r.baro, 3, [&](BaroSample& s, std::size_t) { s.height = spoilt(); });
+    some(r.mag, 3, [&](MagSample& s, std::size_t) { s.field_b.setConstant(spoilt()); });
+    some(r.odometer, 3, [&](OdometerSample& s, std::size_t i) { (i % 2 == 0 ? s.speed : s.std) = spoilt(); });
+    some(r.heading, 3, [&](HeadingSample& s, std::size_t i) { (i % 2 == 0 ? s.heading : s.std) = spoilt(); });
+    some(r.gauges, 3, [&](GaugeSample& s, std::size_t) { s.height.setConstant(spoilt()); });
+    some(r.body_velocity, 3,
+         [&](BodyVelocitySample& s, std::size_t i) { s.velocity_b(static_cast<Eigen::Index>(i % 3)) = spoilt(); });
+    EXPECT_EQ(allocations_of_a_stream(r, car.settings, &car.recording), 0);
+    const test::Flight flight = [] {
+        test::Flight f = test::flight();
+        f.settings.output_rate = 5.0;
+        return f;
+    }();
+    Recording ranged = flight.recording;
+    some(ranged.ranges.samples, 7, [&](RangeSample& s, std::size_t i) {
+        if (i % 5 == 0) s.pseudorange = spoilt();
+        else if (i % 5 == 1) s.range_rate = spoilt();
+        else if (i % 5 == 2) s.std = spoilt();
+        else if (i % 5 == 3) s.tx.r.setConstant(spoilt());
+        else s.tx_clock = spoilt();
+    });
+    EXPECT_EQ(allocations_of_a_stream(ranged, flight.settings, &flight.recording), 0);
 }
 
 TEST(Allocation, IsCounted) {

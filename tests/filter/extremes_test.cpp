@@ -11,6 +11,7 @@
 #include <Eigen/Cholesky>
 
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <limits>
 #include <string>
@@ -26,6 +27,7 @@ struct ExtremeFlight {
     Geodetic start;
     double speed, heading;           ///< m/s, rad; speed 0: at rest, with this attitude
     double roll = 0.0, pitch = 0.0;  ///< rad
+    double looping = 0.0;            ///< rad/s about the right axis, of speed 0
 };
 
 using units::deg;
@@ -37,10 +39,12 @@ const Time origin = Time::from_seconds(1000.0);
 sim::SimulatedData at_rest(const ExtremeFlight& flight) {
     sim::SimulatedData data;
     data.imu_kind = ImuKind::Rates;
-    const Vector3d rpy(flight.roll, flight.pitch, flight.heading);
-    const Eigen::Matrix3d C_eb = earth::C_en(flight.start.lat, flight.start.lon) * math::dcm_from_rpy(rpy);
-    const Vector3d rate = C_eb.transpose() * Vector3d(0.0, 0.0, earth::wgs84.w_ie);
-    const Vector3d force = -C_eb.transpose() * earth::gravity_ecef({}, earth::ecef_from_geodetic(earth::wgs84, flight.start));
+    const Vector3d rpy(flight.roll, flight.pitch, flight.heading), turning(0.0, flight.looping, 0.0);
+    const Eigen::Matrix3d C_en = earth::C_en(flight.start.lat, flight.start.lon), first = math::dcm_from_rpy(rpy);
+    const auto C_nb = [&](double t) -> Eigen::Matrix3d {
+        return first * Eigen::AngleAxisd(flight.looping * t, Vector3d::UnitY()).toRotationMatrix();
+    };
+    const Vector3d gravity = earth::gravity_ecef({}, earth::ecef_from_geodetic(earth::wgs84, flight.start));
     const sensor::ImuErrorModel errors = sensor::imu_grade("tactical");
     math::Random random(5, "at rest");
     const auto noise = [&](double sigma) {
@@ -49,9 +53,12 @@ sim::SimulatedData at_rest(const ExtremeFlight& flight) {
     };
     for (int k = 0; k <= 100 * static_cast<int>(duration); ++k) {
         const Time time = origin + Duration{k * std::int64_t{10'000'000}};
-        if (k > 0)
+        if (k > 0) {
+            const Eigen::Matrix3d C_be = (C_en * C_nb(0.01 * (k - 0.5))).transpose();  // in the middle of the interval
+            const Vector3d rate = turning + C_be * Vector3d(0.0, 0.0, earth::wgs84.w_ie), force = -C_be * gravity;
             data.recording.imu.push_back(
                 {time, rate + noise(10.0 * errors.gyro_noise), force + noise(10.0 * errors.accel_noise)});
+        }
         if (k % 100 == 0) {
             GnssFix fix{.time = time, .position = flight.start};
             const Ecef at{earth::ecef_from_geodetic(earth::wgs84, flight.start).r + noise(1.5)};
@@ -59,7 +66,8 @@ sim::SimulatedData at_rest(const ExtremeFlight& flight) {
             fix.std_position.setConstant(1.5);
             data.recording.gnss.push_back(fix);
         }
-        if (k % 10 == 0) data.recording.reference.push_back({time, flight.start, Vector3d::Zero(), rpy});
+        if (k % 10 == 0)
+            data.recording.reference.push_back({time, flight.start, Vector3d::Zero(), math::rpy_from_dcm(C_nb(0.01 * k))});
     }
     return data;
 }
@@ -119,6 +127,16 @@ NavigatorState flown(const sim::SimulatedData& data, const NavigatorSettings& se
     return *state;
 }
 
+/// Finite and positive definite, whatever the units of its states are: the correlations are decomposed.
+void expect_definite(const NavigatorState& state) {
+    ASSERT_TRUE(state.covariance.allFinite());
+    ASSERT_GT(state.covariance.diagonal().minCoeff(), 0.0);
+    const Eigen::VectorXd scale = state.covariance.diagonal().cwiseSqrt().cwiseInverse();
+    const Eigen::MatrixXd correlations = scale.asDiagonal() * state.covariance * scale.asDiagonal();
+    EXPECT_EQ(correlations.llt().info(), Eigen::Success);
+    EXPECT_LE(correlations.cwiseAbs().maxCoeff(), 1.0 + 1e-9);
+}
+
 TEST(Extremes, ConsistentWhereverItFlies) {
     constexpr double pi = std::numbers::pi;
     const std::vector<ExtremeFlight> flights{
@@ -131,6 +149,10 @@ TEST(Extremes, ConsistentWhereverItFlies) {
         {"orbit", {-30.0 * deg, 60.0 * deg, 100e3}, 8000.0, 0.8},
         {"nose up", {50.0 * deg, 30.0 * deg, 200.0}, 0.0, 0.3, 0.0, 0.5 * pi},
         {"nose down", {50.0 * deg, 30.0 * deg, 200.0}, 0.0, 0.3, 0.2, -0.5 * pi},
+        {"over the pole", {89.93 * deg, 40.0 * deg, 10e3}, 250.0, 0.1},      // past it at 800 m, after half a minute
+        {"over the equator", {-0.12 * deg, 20.0 * deg, 9e3}, 250.0, 0.2},    // after 54 s
+        {"loops", {45.0 * deg, 8.0 * deg, 500.0}, 0.0, 0.7, 0.0, 0.0, 0.5},  // nose up and down twenty times
+        {"loops, banked", {-35.0 * deg, 18.0 * deg, 500.0}, 0.0, 4.0, 1e-3, 0.0, -0.3},
         {"upside down", {-20.0 * deg, 130.0 * deg, 50.0}, 0.0, 5.0, pi, 0.1},
     };
     const Vector3d error(0.003, -0.004, 0.008);
@@ -165,6 +187,7 @@ TEST(Extremes, ConsistentWhereverItFlies) {
 TEST(Extremes, AbsurdNoiseLeavesTheCovariancePositive) {
     const sim::SimulatedData data = simulated({"rest", {50.0 * deg, 30.0 * deg, 200.0}, 0.0, 0.3});
     constexpr double tiny = std::numeric_limits<double>::denorm_min(), huge = 1e300;
+    int navigated = 0, refused = 0, waiting = 0;
     for (const double std_of_fixes : {0.0, tiny, 1e-160, 1e-9, 1e9, 1e160, huge}) {
         for (const double std_of_start : {0.0, tiny, 1e-9, 1e6, 1e160}) {
             SCOPED_TRACE(std::to_string(std_of_fixes) + " of the fixes, " + std::to_string(std_of_start) + " of the start");
@@ -175,6 +198,7 @@ TEST(Extremes, AbsurdNoiseLeavesTheCovariancePositive) {
             NavigatorMade made = Navigator::make(settings);
             if (!made) {
                 EXPECT_FALSE(made.reason.empty());
+                ++refused;
                 continue;
             }
             std::size_t k = 0;
@@ -187,12 +211,44 @@ TEST(Extremes, AbsurdNoiseLeavesTheCovariancePositive) {
                 (void)made.navigator->feed(data.recording.imu[i]);
             }
             const auto state = made.navigator->state();
-            if (!state) continue;  // began anew and waits: that is told by an event
-            EXPECT_TRUE(state->covariance.allFinite());
-            EXPECT_GT(state->covariance.diagonal().minCoeff(), 0.0);
+            if (!state) {  // began anew and waits: that is told by an event
+                ++waiting;
+                continue;
+            }
+            ++navigated;
+            expect_definite(*state);
             EXPECT_LT(earth::ned_difference({}, state->nav.position, data.recording.reference.front().position).norm(), 100.0);
         }
     }
+    std::printf("%d navigated, %d began anew, %d were refused\n", navigated, waiting, refused);
+    EXPECT_EQ(navigated + waiting + refused, 7 * 5);
+    EXPECT_GE(navigated, 20) << "little was judged";
+}
+
+/// An IMU without any noise, biases known exactly: nothing is added to the covariance, and fixes for two minutes make it small.
+TEST(Extremes, AnImuWithoutNoise) {
+    const sim::SimulatedData data = simulated({"rest", {50.0 * deg, 30.0 * deg, 200.0}, 0.0, 0.3});
+    int judged = 0;
+    for (const Mechanization mechanization : {Mechanization::Geographic, Mechanization::Ecef}) {
+        for (const double std_of_biases : {0.0, 1e-5}) {
+            SCOPED_TRACE(std::to_string(std_of_biases) +
+                         (mechanization == Mechanization::Ecef ? ", Earth-fixed" : ", geographic"));
+            NavigatorSettings settings = settings_for(data, mechanization, Vector3d::Zero());
+            settings.filter.imu.errors = sensor::ImuErrorModel{};
+            settings.start->std_gyro_bias.setConstant(std_of_biases);
+            settings.start->std_accel_bias.setConstant(std_of_biases);
+            NavigatorMade made = Navigator::make(settings);
+            if (!made) {
+                EXPECT_FALSE(made.reason.empty());
+                continue;
+            }
+            const NavigatorState state = flown(data, settings);
+            ++judged;
+            expect_definite(state);
+            EXPECT_LT(earth::ned_difference({}, state.nav.position, data.recording.reference.front().position).norm(), 20.0);
+        }
+    }
+    EXPECT_GE(judged, 2);
 }
 
 /// A month at rest by ten samples and a fix a second: 26 million steps, 2.6 million fixes.

@@ -3,6 +3,7 @@
 #include "schuler/filter/navigator.h"
 
 #include "schuler/core/units.h"
+#include "schuler/earth/ellipsoid.h"
 
 #include <Eigen/Cholesky>
 
@@ -70,6 +71,16 @@ filter::NavigatorSettings settings_of(std::uint8_t choice) {
     s.filter.scale_factors = (choice & 2) != 0;
     s.filter.constraints.nonholonomic = (choice & 1) != 0;
     s.rates = {.gnss = 10.0, .baro = 10.0, .mag = 10.0, .odometer = 10.0, .heading = 10.0};
+    if ((choice & 8) != 0) {
+        s.rates.gauges = s.rates.log = 10.0;
+        s.rates.gauge_count = 3;
+    }
+    if ((choice & 16) != 0) {
+        s.filter.coupling = filter::Coupling::Tight;
+        s.filter.ranging.protection.use = (choice & 32) != 0;
+        s.rates.ranges = 10.0;
+        s.rates.range_sources = 16;
+    }
     if ((choice & 4) == 0) {
         filter::Start start;
         start.nav.time = Time{};
@@ -127,7 +138,7 @@ public:
             case 14: inertial(1 + what / 16); break;
             default:
                 if (what == 0xff) navigator_.restart();
-                else inertial(2);
+                else survey(what / 16, late);
         }
         look();
     }
@@ -138,6 +149,45 @@ private:
     void inertial(int count) {
         const Eigen::Vector3d rate = bytes_.fractions(0.5), force = bytes_.fractions(3.0) - Eigen::Vector3d(0.0, 0.0, 9.81);
         for (int k = 0; k < count; ++k) (void)navigator_.feed(ImuSample{advance(), rate, force});
+    }
+
+    /// Gauges, velocity log and ranges, usual ones and any bits.
+    void survey(int which, Time late) {
+        switch (which) {
+            case 1: (void)navigator_.feed(GaugeSample{late, Eigen::Vector3d::Constant(100.0) + bytes_.fractions(20.0)}); break;
+            case 2: (void)navigator_.feed(GaugeSample{late, bytes_.any3()}); break;
+            case 3: (void)navigator_.feed(BodyVelocitySample{late, bytes_.fractions(20.0)}); break;
+            case 4: (void)navigator_.feed(BodyVelocitySample{late, bytes_.any3()}); break;
+            case 5:
+            case 6: ranges(which == 6, late); break;
+            default: inertial(2);
+        }
+    }
+
+    /// An epoch of up to eight satellites, 20 000 km from the place where the drive begins.
+    void ranges(bool any, Time time) {
+        const Eigen::Vector3d here = earth::ecef_from_geodetic(earth::wgs84, {0.9, 0.5, 100.0}).r;
+        std::array<RangeSample, 8> samples;
+        const std::size_t count = bytes_.byte() % (samples.size() + 1);
+        for (std::size_t i = 0; i < count; ++i) {
+            RangeSample& s = samples[i];
+            const char name[] = {'G', '0', static_cast<char>('1' + i), '\0'};
+            const auto source = navigator_.range_source(name, i == 7);
+            s.source = source.value_or(static_cast<std::uint16_t>(i));
+            if (any) {
+                s.source = bytes_.byte();
+                s.pseudorange = bytes_.any(), s.range_rate = bytes_.any(), s.std = bytes_.any();
+                s.tx.r = bytes_.any3(), s.tx_velocity = bytes_.any3(), s.tx_clock = bytes_.any();
+                continue;
+            }
+            const Eigen::Vector3d direction = (here.normalized() + bytes_.fractions(0.8)).normalized();
+            s.tx.r = here + 2e7 * direction;
+            s.tx_velocity = bytes_.fractions(3000.0);
+            s.pseudorange = 2e7 + 100.0 * bytes_.fraction();
+            s.range_rate = s.tx_velocity.dot(direction) + 10.0 * bytes_.fraction();
+            s.std = 0.1 + std::abs(bytes_.fraction());
+        }
+        (void)navigator_.feed(time, {samples.data(), count});
     }
 
     /// Saved and restored it is the same; bytes that were spoilt are refused or at least do no harm.

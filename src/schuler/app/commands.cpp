@@ -155,7 +155,7 @@ report::Outcome inspect_path(const fs::path& path, const fs::path& folder, const
     report::write_text(stage.path() / "report.html", report::render(inspect_page(report, version)));
     out.folder = folder;
     out.files.push_back(stage.final_path("report.html"));
-    stage.publish();
+    stage.publish("");  // beside whatever is there
     return out;
 }
 

@@ -12,7 +12,8 @@ namespace schuler::app {
 namespace {
 
 // Measured on one core of 2024, simulation and filter together: examples/uav-mems.toml of one and of three hours.
-constexpr double seconds_per_sample = 4e-6, seconds_per_fix = 2e-5, seconds_per_range = 2e-6, bytes_per_sample = 420.0;
+constexpr double seconds_per_sample = 4e-6, seconds_per_fix = 2e-5, seconds_per_range = 2e-6, seconds_per_other = 1e-5,
+                 seconds_per_truth = 4e-6, bytes_per_sample = 420.0;
 constexpr double long_time = 20.0, much_memory = 2e9;  // s, bytes: above these a notice is given
 
 const settings::Value* value_of(const settings::SettingList& given, std::string_view key) {
@@ -48,11 +49,20 @@ std::string notice_of_size(const settings::SettingList& given) {
         const double duration = scenario.sim.duration, samples = duration * scenario.sim.imu.rate,
                      fixes = duration * scenario.sim.gnss.rate;
         const double ranges = 24.0 * duration * (scenario.ranging.rate + scenario.receiver_channels.rate);
-        const double seconds = samples * seconds_per_sample + fixes * seconds_per_fix + ranges * seconds_per_range;
-        const double bytes = (samples + fixes + ranges) * bytes_per_sample;
+        const sim::InstrumentErrors& instruments = scenario.instruments;
+        const double others =
+            duration * (scenario.sim.baro.rate + scenario.sim.mag.rate + instruments.gauges.rate + instruments.log.rate + instruments.compass.rate);
+        const double truth = duration * scenario.sim.reference_rate;
+        const double seconds = samples * seconds_per_sample + fixes * seconds_per_fix + ranges * seconds_per_range +
+                               others * seconds_per_other + truth * seconds_per_truth;
+        const double bytes = (samples + fixes + ranges + others + truth) * bytes_per_sample;
         if (seconds < long_time && bytes < much_memory) return {};
-        return fmt::format("{:.2g} IMU samples, {:.2g} fixes{} a run: about {} {} and {:.1f} GB of memory", samples, fixes,
-                           ranges > 0.0 ? fmt::format(", {:.2g} ranges", ranges) : "", time_text(seconds),
+        const auto many = [](double count, const char* what) {  // not what is little beside the samples
+            return count > 1e6 ? fmt::format(", {:.2g} {}", count, what) : "";
+        };
+        return fmt::format("{:.2g} IMU samples, {:.2g} fixes{}{}{} a run: about {} {} and {:.1f} GB of memory", samples,
+                           fixes, ranges > 0.0 ? fmt::format(", {:.2g} ranges", ranges) : "",
+                           many(others, "samples of other instruments"), many(truth, "epochs of the truth"), time_text(seconds),
                            runs > 1.0 ? "each" : "on one core", bytes / 1e9);
     } catch (const Error&) {
         return {};  // the command itself reports the error

@@ -5,15 +5,35 @@
 
 #include <fmt/format.h>
 
+#include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cerrno>
+#include <set>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 namespace schuler::io {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+/// What was written is on the disk. A file system that cannot do so is not asked again, a full or broken disk is an error.
+void synchronize(const fs::path& path, const fs::path& final_place) {
+    const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    if (fd < 0) return;
+    const int failure = fsync(fd) != 0 ? errno : 0;
+    close(fd);
+    if (failure == ENOSPC || failure == EDQUOT || failure == EIO || failure == EFBIG)
+        throw input_error(fmt::format("cannot be written: {}", system_message(failure)), place_in(final_place.string()),
+                          "make room on the disk");
+}
+
+}  // namespace
 
 StagedFolder::StagedFolder(fs::path target) : target_(std::move(target)) {
     static std::atomic<unsigned> counter{0};
@@ -37,21 +57,44 @@ StagedFolder::~StagedFolder() {
     if (!stage_.empty() && target_is_new_) fs::remove(target_, ignored);  // only if it is empty
 }
 
-void StagedFolder::publish() {
+void StagedFolder::publish(const std::string& last) {
     std::vector<fs::path> files;
+    std::set<std::string> names;
     std::error_code ec;
-    for (const fs::directory_entry& entry : fs::directory_iterator(stage_, ec))
-        if (entry.path().filename() != own_files_list) files.push_back(entry.path());
+    for (const fs::directory_entry& entry : fs::directory_iterator(stage_, ec)) {
+        if (entry.path().filename() == own_files_list) continue;
+        files.push_back(entry.path());
+        names.insert(entry.path().filename().string());
+    }
     for (const fs::path& file : files) check_overwrite(final_path(file));
+    for (const fs::path& file : files) synchronize(file, final_path(file));
+    if (!last.empty()) {
+        const std::set<std::string> before = files_of_result(target_, last);
+        note_result(target_, last, names, false);
+        const auto remove_own = [&](const std::string& name) {
+            if (may_overwrite(target_ / name)) fs::remove(target_ / name, ec);
+        };
+        remove_own(last);
+        synchronize(target_, target_);
+        for (const std::string& name : before)
+            if (!names.contains(name)) remove_own(name);
+        // renamed last, after all others are on the disk
+        std::ranges::stable_partition(files, [&](const fs::path& file) { return file.filename() != last; });
+    }
     for (const fs::path& file : files) {
+        if (!last.empty() && file.filename() == last) synchronize(target_, target_);
+        note_own_file(final_path(file), file);
         fs::rename(file, final_path(file), ec);
-        if (ec == std::errc::cross_device_link)
-            fs::copy_file(file, final_path(file), fs::copy_options::overwrite_existing, ec);  // if moving is not permitted
+        if (ec == std::errc::cross_device_link) {  // if moving is not permitted
+            fs::copy_file(file, final_path(file), fs::copy_options::overwrite_existing, ec);
+            note_own_file(final_path(file));
+        }
         if (ec)
             throw computation_error(fmt::format("{}: cannot be moved to its place: {}", final_path(file).string(), ec.message()),
                                     "choose another folder with -o");
-        note_own_file(final_path(file));
     }
+    if (!last.empty()) note_result(target_, last, names, true);
+    synchronize(target_, target_);
     fs::remove_all(std::exchange(stage_, {}), ec);
 }
 

@@ -1,8 +1,8 @@
-// The files of a result: either all of them appear in their folder, or none.
+// The files of a result: they appear together in their folder, or not at all.
 #pragma once
 
 #include <filesystem>
-#include <vector>
+#include <string>
 
 namespace schuler::io {
 
@@ -21,9 +21,12 @@ public:
     [[nodiscard]] std::filesystem::path final_path(const std::filesystem::path& staged) const {
         return target_ / staged.filename();
     }
-    /// Moves every file. Nothing is moved if one of them would overwrite a file that is not Schuler's own (io/own_files.h).
-    /// @throws Error(Input) that names the file; Error(Computation) if the system reports an error
-    void publish();
+    /// Moves every file, that of the name `last` after all others: where it is, the result is whole, also after a kill or a power cut
+    /// (files and folder are synchronized). Before that the older one is removed, and those files of the older result that this one does
+    /// not have, unless somebody has changed them. Nothing is moved if a file would overwrite one that is not Schuler's own
+    /// (io/own_files.h). `last` empty: the files are no result of their own.
+    /// @throws Error(Input) that names the file, or says that the disk is full; Error(Computation) if the system reports another error
+    void publish(const std::string& last = "summary.json");
 
 private:
     std::filesystem::path target_, stage_;

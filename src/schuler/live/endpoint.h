@@ -13,6 +13,7 @@ struct Endpoint {
     std::string host, port;  ///< of sockets; an empty host: all addresses of this machine
     std::string path;        ///< of a serial port or file; name of shared memory
     int baud = 115200;
+    int descriptor = 1;  ///< of Medium::Standard as an output: 1 or 2 (standard error)
 };
 
 enum class Direction { In, Out };

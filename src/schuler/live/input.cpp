@@ -130,6 +130,7 @@ std::size_t Input::read(std::string& bytes, double now) {
 }
 
 bool Input::connected() const { return state_->fd.open() && !state_->pending; }
+bool Input::stands() const { return connected() || state_->listener.open() || state_->finished; }
 bool Input::finished() const { return state_->finished; }
 std::size_t Input::reconnections() const { return state_->connections > 0 ? state_->connections - 1 : 0; }
 const Endpoint& Input::endpoint() const { return state_->endpoint; }

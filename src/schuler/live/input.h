@@ -31,6 +31,8 @@ public:
     std::size_t read(std::string& bytes, double now);
 
     [[nodiscard]] bool connected() const;
+    /// Data can come: connected, waiting for a client, or at its end.
+    [[nodiscard]] bool stands() const;
     /// End of a file or of standard input: no more data will arrive.
     [[nodiscard]] bool finished() const;
     /// Number of reconnections.

@@ -197,7 +197,10 @@ void Output::tend(double now) {
         case Medium::TcpListen: o = detail::listen_tcp(s.endpoint); break;
         case Medium::Udp: o = detail::open_udp(s.endpoint, false); break;
         case Medium::Serial: o = detail::open_serial(s.endpoint); break;
-        case Medium::Standard: o.fd.reset(dup(1)); break;
+        case Medium::Standard:
+            o.fd.reset(fcntl(s.endpoint.descriptor, F_DUPFD_CLOEXEC, 3));
+            if (!o.fd.open()) o.reason = detail::text_of_errno(errno);
+            break;
         default: o = detail::open_tcp(s.endpoint); break;
     }
     if (!o.fd.open()) return s.failed(o.reason.empty() ? "cannot be opened" : o.reason, now);

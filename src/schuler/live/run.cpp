@@ -6,6 +6,8 @@
 #include "schuler/io/solution/solution_csv.h"
 #include "schuler/live/detail/descriptor.h"
 #include "schuler/live/detail/output_files.h"
+#include "schuler/live/detail/run_log.h"
+#include "schuler/live/detail/service_manager.h"
 #include "schuler/live/message.h"
 #include "schuler/live/station.h"
 
@@ -103,17 +105,11 @@ private:
 class Run {
 public:
     Run(const LiveSettings& settings, filter::Navigator navigator)
-        : settings_(settings), navigator_(std::move(navigator)), prepare_(settings), begin_(monotonic()) {
-        if (settings.log != "none") {
-            OutputLimits limits;
-            limits.rotate = 10'000'000;
-            Endpoint place;
-            place.medium = Medium::File;
-            place.text = settings.log;
-            place.path = settings.log == "stderr" ? "/dev/stderr" : settings.log;
-            log_.emplace(std::move(place), limits, [](const std::string&) {});
-            log_->tend(begin_);
-        }
+        : settings_(settings),
+          navigator_(std::move(navigator)),
+          prepare_(settings),
+          begin_(monotonic()),
+          log_(settings.log, settings.file, begin_) {
         const auto tell = [this](const std::string& text) { this->tell(text); };
         for (const std::string& warning : settings.ignored) tell("warning: " + warning);
         stations_ = stations_of(settings, tell);
@@ -133,17 +129,19 @@ public:
 
     LiveReport go(const std::function<bool()>& stop) {
         restore();
-        const Signals signals;
         for (bool on = true; on;) {
             const double now = monotonic();
             for (Station& s : stations_) s.input.tend(now);
             for (Sink& s : sinks_) s.output.tend(now);
-            wait(signals);
-            on = !signals.came() && !(stop && stop()) &&
+            wait(signals_);
+            on = !signals_.came() && !(stop && stop()) &&
                  std::ranges::any_of(stations_, [](const Station& s) { return !s.input.finished(); }) &&
                  std::ranges::any_of(sinks_, [](const Sink& s) { return !s.output.broken(); });
             regular(monotonic());
+            if (std::ranges::all_of(stations_, [](const Station& s) { return s.input.stands(); })) manager_.ready();
+            if (manager_.present()) manager_.turned(monotonic(), status());
         }
+        manager_.stopping();
         for (Station& s : stations_) settle(s);
         satellites();
         health(monotonic());
@@ -173,8 +171,11 @@ private:
         std::uint32_t messages = 0;        ///< of Mcap
     };
 
-    void tell(const std::string& text) {
-        if (log_) log_->send(text + "\n", monotonic());
+    void tell(const std::string& text) { log_.tell(text, monotonic()); }
+
+    /// For the service manager.
+    [[nodiscard]] std::string status() const {
+        return fmt::format("{}, {:.0f} samples of the IMU a second", name_of(navigator_.phase()), imu_rate_);
     }
 
     void wait(const Signals& signals) {
@@ -327,7 +328,7 @@ private:
         Health h;
         h.time = newest_ ? newest_->seconds() : not_given;
         h.phase = navigator_.phase();
-        h.imu_rate = static_cast<double>(imu_since_) / std::max(now - last_health_, 1e-3);
+        h.imu_rate = imu_rate_ = static_cast<double>(imu_since_) / std::max(now - last_health_, 1e-3);
         h.fed = &navigator_.counters();
         for (Station& s : stations_) {
             const DecoderCounters& c = s.decoder->counters();
@@ -392,9 +393,9 @@ private:
     }
 
     const LiveSettings& settings_;
+    const Signals signals_;  // first: a log that is a closed pipe must not end the program
     filter::Navigator navigator_;
     Preparation prepare_;
-    std::optional<Output> log_;
     std::vector<Station> stations_;
     std::vector<Sink> sinks_;
     std::string bytes_, record_;
@@ -404,7 +405,10 @@ private:
     LiveReport report_;
     std::optional<Time> newest_;
     std::size_t imu_since_ = 0;
-    double begin_, next_save_ = 0.0, next_health_ = 0.0, next_satellites_ = 0.0, last_health_ = begin_, next_told_ = 0.0;
+    double begin_, imu_rate_ = 0.0, next_save_ = 0.0, next_health_ = 0.0, next_satellites_ = 0.0, last_health_ = begin_,
+                   next_told_ = 0.0;
+    detail::RunLog log_;
+    detail::ServiceManager manager_ = detail::ServiceManager::of_environment();
 };
 
 }  // namespace

@@ -389,7 +389,7 @@ void write_dataset(const SimulatedDataset& data, const std::filesystem::path& fo
     }
     const std::string head = fmt::format("# simulated, seed {}\n", data.seed);
     io::write_file(stage.path() / "dataset.toml", head + settings::to_toml(last, settings::config_table().specs(), true));
-    stage.publish();
+    stage.publish("dataset.toml");
 }
 
 }  // namespace schuler::scenario

@@ -6,6 +6,7 @@
 #include "schuler/math/rotation.h"
 #include "schuler/report/outcome.h"
 #include "schuler/report/outputs.h"
+#include "schuler/report/result_folder.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/settings/dataset.h"
 #include "schuler/solution/bundle.h"
@@ -113,15 +114,15 @@ report::Outcome ahrs_dataset(const AhrsRequest& request) {
 
     report::Outcome out;
     out.notice = dataset.inferred_toml;
-    out.folder = request.common.folder_for(b.name);
+    report::ResultFolder files(out, request.common.folder_for(b.name));
     const auto write_begin = std::chrono::steady_clock::now();
-    out.files = write_ahrs_outputs(b, out.folder);
+    files.add_written(write_ahrs_outputs(b, files.path()));
     b.timing.write_s = solution::seconds_since(write_begin);
     b.timing.read_s = b.data.read_seconds;
     b.timing.wall_s = solution::seconds_since(begin);
     out.json = ahrs_summary_json(b);
-    out.files.push_back(out.folder / "summary.json");
-    report::write_text(out.files.back(), out.json);
+    files.write("summary.json", out.json);
+    files.publish();
     out.tables = ahrs_summary_tables(b);
     out.warnings = b.warnings;
     return out;

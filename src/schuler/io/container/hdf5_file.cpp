@@ -118,7 +118,8 @@ Hdf5Writer::Hdf5Writer(std::filesystem::path path) : file_(std::make_unique<File
     if (!file_->file.ok()) {
         std::error_code ignored;
         std::filesystem::remove(file_->temporary, ignored);
-        throw input_error("cannot be written", place_in(file_->path.string()), "choose another place with -o");
+        throw input_error("cannot be written", place_in(file_->path.string()),
+                          "make room on the disk, or choose another place with -o");
     }
 }
 

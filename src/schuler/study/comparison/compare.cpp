@@ -4,6 +4,7 @@
 #include "schuler/core/error.h"
 #include "schuler/report/outcome.h"
 #include "schuler/report/outputs.h"
+#include "schuler/report/result_folder.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/settings/request.h"
 #include "schuler/settings/scenario/comparison.h"
@@ -176,15 +177,14 @@ report::Outcome compare_schemes(const settings::ProcessRequest& request) {
     c.plots = signal_panels(c, scenario.sim.origin);
     report::Outcome out;
     out.warnings = c.warnings;
-    out.folder = request.folder_for(scenario.name);
-    report::make_folder(out.folder);
+    report::ResultFolder files(out, request.folder_for(scenario.name));
     out.json = comparison_json(c);
     out.tables = comparison_tables(c);
-    std::vector<std::pair<const char*, std::string>> files{{"comparison.csv", comparison_csv(c)}};
-    if (!c.windows.empty()) files.emplace_back("windows.csv", windows_csv(c));
-    if (report_wanted) files.emplace_back("report.html", report::render(comparison_report(c)));
-    files.emplace_back("summary.json", out.json);  // last: when it exists, all other files exist
-    for (const auto& [name, text] : files) report::write_text(out.files.emplace_back(out.folder / name), text);
+    files.write("comparison.csv", comparison_csv(c));
+    if (!c.windows.empty()) files.write("windows.csv", windows_csv(c));
+    if (report_wanted) files.write("report.html", report::render(comparison_report(c)));
+    files.write("summary.json", out.json);
+    files.publish();
     return out;
 }
 

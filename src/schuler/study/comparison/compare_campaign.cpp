@@ -3,6 +3,7 @@
 #include "schuler/core/parallel.h"
 #include "schuler/report/outcome.h"
 #include "schuler/report/outputs.h"
+#include "schuler/report/result_folder.h"
 #include "schuler/settings/request.h"
 #include "schuler/settings/scenario/comparison.h"
 #include "schuler/settings/scenario/scenario.h"
@@ -183,16 +184,14 @@ report::Outcome montecarlo_of_schemes(const settings::ProcessRequest& request, s
     CompareCampaign c = compare_campaign(request, runs, jobs);
     solution::add_unmade_check(c.ignored, request.above);
     report::Outcome out;
-    out.folder = request.output.empty() ? std::filesystem::path("out") / (c.name + "-montecarlo") : request.output;
-    report::make_folder(out.folder);
+    report::ResultFolder files(out,
+                               request.output.empty() ? std::filesystem::path("out") / (c.name + "-montecarlo") : request.output);
     out.json = campaign_json(c);
     out.tables = campaign_tables(c);
-    const auto write = [&](const char* name, const std::string& text) {
-        report::write_text(out.files.emplace_back(out.folder / name), text);
-    };
-    write("runs.csv", campaign_runs_csv(c));
-    if (c.report_wanted) write("report.html", report::render(campaign_report(c)));
-    write("summary.json", out.json);  // last: when it exists, all other files exist
+    files.write("runs.csv", campaign_runs_csv(c));
+    if (c.report_wanted) files.write("report.html", report::render(campaign_report(c)));
+    files.write("summary.json", out.json);
+    files.publish();
     WarningLog without_effect;
     solution::warn_of_ignored_here(c.ignored, request.above, without_effect);
     out.warnings = without_effect.summary();

@@ -5,6 +5,7 @@
 #include "schuler/report/inner/json.h"
 #include "schuler/report/outputs.h"
 #include "schuler/report/report.h"
+#include "schuler/report/result_folder.h"
 #include "schuler/report/result_table.h"
 #include "schuler/study/covariance/mismatch.h"
 #include "schuler/study/parts.h"
@@ -203,11 +204,11 @@ report::Outcome analyze_covariance(const CovarianceRequest& request) {
     }
     out.json = report::text_of(json);
     if (!request.output.empty()) {
-        out.folder = request.output;
-        report::make_folder(out.folder);
-        report::write_text(out.files.emplace_back(out.folder / "covariance.csv"), csv_of(m));
-        report::write_text(out.files.emplace_back(out.folder / "covariance.json"), out.json);
-        write_report(out, out.folder, page_of(m, table, request.version));
+        report::ResultFolder files(out, request.output);
+        files.write("covariance.csv", csv_of(m));
+        files.write("covariance.json", out.json);
+        files.write("report.html", report::render(page_of(m, table, request.version)));
+        files.publish("covariance.json");
     }
     return out;
 }

@@ -7,6 +7,7 @@
 #include "schuler/math/rotation.h"
 #include "schuler/report/outcome.h"
 #include "schuler/report/outputs.h"
+#include "schuler/report/result_folder.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/settings/dataset.h"
 #include "schuler/settings/request.h"
@@ -320,26 +321,23 @@ report::Outcome gravity_command(const GravityRequest& request) {
     b.run.config_toml = settings::to_toml(settings::config_table().used(c), settings::config_table().specs(), true);
     b.run.warnings = warnings.summary();
     if (!b.attainable.usable) b.run.warnings.insert(b.run.warnings.begin(), b.attainable.statement);
-    out.folder = request.common.folder_for(b.run.name);
+    report::ResultFolder files(out, request.common.folder_for(b.run.name));
     const auto write_begin = std::chrono::steady_clock::now();
     const std::vector<std::string> wanted = c.output.files;
     std::erase(c.output.files, "report");
-    out.files = report::write_outputs(b.run, out.folder, false);
+    files.add_written(report::write_outputs(b.run, files.path(), false));
     c.output.files = wanted;
     const std::vector<GravityRow> rows = b.attainable.usable ? gravity_rows(b) : std::vector<GravityRow>{};
-    const auto write = [&](const char* name, const std::string& text) {
-        out.files.push_back(out.folder / name);
-        report::write_text(out.files.back(), text);
-    };
     if (b.attainable.usable) {
-        write("gravity.csv", gravity_csv(b, rows));
-        write("gravity.geojson", gravity_geojson(b, rows));
+        files.write("gravity.csv", gravity_csv(b, rows));
+        files.write("gravity.geojson", gravity_geojson(b, rows));
     }
-    if (c.output.wants("report")) write("report.html", gravity_report_html(b, rows));
+    if (c.output.wants("report")) files.write("report.html", gravity_report_html(b, rows));
     b.run.timing.write_s = solution::seconds_since(write_begin);
     b.run.timing.wall_s = solution::seconds_since(begin);
     out.json = gravity_summary_json(b, rows.size());
-    if (c.output.wants("summary")) write("summary.json", out.json);
+    if (c.output.wants("summary")) files.write("summary.json", out.json);
+    files.publish();
     out.tables = gravity_tables(b);
     out.warnings = b.run.warnings;
     out.usable = b.verdict.usable;

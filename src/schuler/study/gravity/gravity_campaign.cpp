@@ -5,6 +5,7 @@
 #include "schuler/report/inner/json.h"
 #include "schuler/report/outcome.h"
 #include "schuler/report/outputs.h"
+#include "schuler/report/result_folder.h"
 #include "schuler/report/result_table.h"
 #include "schuler/settings/request.h"
 #include "schuler/solution/bundle.h"
@@ -175,9 +176,9 @@ report::Outcome gravity_campaign(const GravityRequest& request) {
     // clang-format on
     out.json = report::text_of(document);
     if (!request.common.output.empty()) {
-        report::make_folder(request.common.output);
-        out.files.push_back(request.common.output / "summary.json");
-        report::write_text(out.files.back(), out.json);
+        report::ResultFolder files(out, request.common.output);
+        files.write("summary.json", out.json);
+        files.publish();
     }
     return out;
 }

@@ -3,6 +3,7 @@
 #include "schuler/core/parallel.h"
 #include "schuler/math/random.h"
 #include "schuler/report/outputs.h"
+#include "schuler/report/result_folder.h"
 #include "schuler/settings/config/config.h"
 #include "schuler/solution/bundle.h"
 #include "schuler/solution/fuse.h"
@@ -397,16 +398,14 @@ report::Outcome run_montecarlo(const CampaignRequest& request) {
         request.team->wait();
         return out;
     }
-    out.folder = mc.folder;
+    report::ResultFolder files(out, mc.folder);
     out.json = summary_json(mc);
     out.tables = summary_tables(mc);
-    const auto write = [&](const char* name, const std::string& text) {
-        report::write_text(out.files.emplace_back(out.folder / name), text);
-    };
-    write("epochs.csv", epochs_csv(mc));
-    if (mc.statistics().swept) write("sweep.csv", sweep_csv(mc));
-    write_runs_csv(mc, out.files.emplace_back(out.folder / "runs.csv"));
-    write("summary.json", out.json);
+    files.write("epochs.csv", epochs_csv(mc));
+    if (mc.statistics().swept) files.write("sweep.csv", sweep_csv(mc));
+    write_runs_csv(mc, files.add("runs.csv"));
+    files.write("summary.json", out.json);
+    files.publish();
     CampaignPart::remove_from(mc.folder);
     if (request.team) request.team->wait();
     WarningLog ignored;

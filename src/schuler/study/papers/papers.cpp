@@ -5,6 +5,7 @@
 #include "schuler/math/random.h"
 #include "schuler/report/inner/json.h"
 #include "schuler/report/outputs.h"
+#include "schuler/report/result_folder.h"
 #include "schuler/report/result_table.h"
 #include "schuler/settings/toml_file.h"
 #include "schuler/study/papers/printed.h"
@@ -155,16 +156,17 @@ report::ReportInput page_of(const Made& m, const std::string& version) {
 }
 
 void write_made(const Made& m, const fs::path& folder, const std::string& version, report::Outcome& out) {
-    report::make_folder(folder);
-    const auto write = [&](const char* name, const std::string& text) {
-        report::write_text(out.files.emplace_back(folder / name), text);
-    };
+    const fs::path outer = out.folder;  // that of all items
+    report::ResultFolder files(out, folder);
+    out.folder = outer;
+    const auto write = [&](const std::string& name, const std::string& text) { files.write(name, text); };
     write("comparison.csv", report::table_csv(comparison_of(m)));
     if (!m.result.panels.empty()) write("curves.csv", curves_csv_of(m));
     for (std::size_t i = 0; i < m.result.tables.size(); ++i)
-        write(i == 0 ? "table.csv" : fmt::format("table{}.csv", i + 1).c_str(), report::table_csv(m.result.tables[i]));
+        write(i == 0 ? "table.csv" : fmt::format("table{}.csv", i + 1), report::table_csv(m.result.tables[i]));
     write("summary.json", report::text_of(json_of(m)));
-    write_report(out, folder, page_of(m, version));
+    write("report.html", report::render(page_of(m, version)));
+    files.publish();
 }
 
 Made made(const PaperItem& item, const PaperRequest& request) {

@@ -3,6 +3,7 @@
 #include "schuler/report/inner/json.h"
 #include "schuler/report/outcome.h"
 #include "schuler/report/outputs.h"
+#include "schuler/report/result_folder.h"
 #include "schuler/report/result_table.h"
 #include "schuler/study/parts.h"
 #include "schuler/study/studies.h"
@@ -126,8 +127,7 @@ double ratio_of(const std::vector<Done>& all) {
 
 void write_files(const TriadRequest& request, const std::vector<Done>& all, const report::ResultTable& table,
                  report::Outcome& out) {
-    out.folder = request.output;
-    report::make_folder(out.folder);
+    report::ResultFolder files(out, request.output);
     std::string course = "time_s";
     for (const Done& d : all) course += fmt::format(",{0} observed_m,{0} predicted_m", d.which.name);
     report::ReportInput page{"The triad of paper D",
@@ -149,10 +149,11 @@ void write_files(const TriadRequest& request, const std::vector<Done>& all, cons
     }
     section.groups.push_back({"", {}, {report::table_block(table)}});
     page.sections.push_back(section);
-    const std::pair<const char*, std::string> files[] = {
-        {"triad.csv", report::table_csv(table)}, {"course.csv", course + "\n"}, {"summary.json", out.json}};
-    for (const auto& [name, text] : files) report::write_text(out.files.emplace_back(out.folder / name), text);
-    write_report(out, out.folder, page);
+    files.write("triad.csv", report::table_csv(table));
+    files.write("course.csv", course + "\n");
+    files.write("summary.json", out.json);
+    files.write("report.html", report::render(page));
+    files.publish();
 }
 
 }  // namespace

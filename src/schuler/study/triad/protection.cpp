@@ -8,6 +8,7 @@
 #include "schuler/report/inner/json.h"
 #include "schuler/report/outcome.h"
 #include "schuler/report/outputs.h"
+#include "schuler/report/result_folder.h"
 #include "schuler/report/result_table.h"
 #include "schuler/study/parts.h"
 #include "schuler/study/triad/triad.h"
@@ -203,10 +204,10 @@ report::Outcome analyze_protection(const ProtectionRequest& request) {
     json["worst_ratio"] = {{"horizontal", worst_horizontal}, {"vertical", worst_vertical}};
     out.json = report::text_of(json);
     if (!request.output.empty()) {
-        out.folder = request.output;
-        report::make_folder(out.folder);
-        report::write_text(out.files.emplace_back(out.folder / "trials.csv"), csv_of(trials));
-        report::write_text(out.files.emplace_back(out.folder / "summary.json"), out.json);
+        report::ResultFolder files(out, request.output);
+        files.write("trials.csv", csv_of(trials));
+        files.write("summary.json", out.json);
+        files.publish();
     }
     return out;
 }
