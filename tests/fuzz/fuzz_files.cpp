@@ -5,9 +5,9 @@
 #include "schuler/io/raw_input.h"
 #include "schuler/io/receiver/if_file.h"
 #include "schuler/io/rinex/compact_rinex.h"
-#include "schuler/io/text/csv/csv_aids.h"
 #include "schuler/io/text/csv/csv_events.h"
 #include "schuler/io/text/csv/csv_grid.h"
+#include "schuler/io/text/csv/csv_instruments.h"
 
 #include "fuzz_target.h"
 

@@ -50,8 +50,8 @@ std::string notice_of_size(const settings::SettingList& given) {
                      fixes = duration * scenario.sim.gnss.rate;
         const double ranges = 24.0 * duration * (scenario.ranging.rate + scenario.receiver_channels.rate);
         const sim::InstrumentErrors& instruments = scenario.instruments;
-        const double others =
-            duration * (scenario.sim.baro.rate + scenario.sim.mag.rate + instruments.gauges.rate + instruments.log.rate + instruments.compass.rate);
+        const double others = duration * (scenario.sim.baro.rate + scenario.sim.mag.rate + instruments.gauges.rate +
+                                          instruments.log.rate + instruments.compass.rate);
         const double truth = duration * scenario.sim.reference_rate;
         const double seconds = samples * seconds_per_sample + fixes * seconds_per_fix + ranges * seconds_per_range +
                                others * seconds_per_other + truth * seconds_per_truth;
@@ -60,8 +60,8 @@ std::string notice_of_size(const settings::SettingList& given) {
         const auto many = [](double count, const char* what) {  // not what is little beside the samples
             return count > 1e6 ? fmt::format(", {:.2g} {}", count, what) : "";
         };
-        return fmt::format("{:.2g} IMU samples, {:.2g} fixes{}{}{} a run: about {} {} and {:.1f} GB of memory", samples,
-                           fixes, ranges > 0.0 ? fmt::format(", {:.2g} ranges", ranges) : "",
+        return fmt::format("{:.2g} IMU samples, {:.2g} fixes{}{}{} a run: about {} {} and {:.1f} GB of memory", samples, fixes,
+                           ranges > 0.0 ? fmt::format(", {:.2g} ranges", ranges) : "",
                            many(others, "samples of other instruments"), many(truth, "epochs of the truth"), time_text(seconds),
                            runs > 1.0 ? "each" : "on one core", bytes / 1e9);
     } catch (const Error&) {
