@@ -1,5 +1,6 @@
 #include "schuler/live/settings.h"
 
+#include "schuler/settings/config/applicability.h"
 #include "schuler/settings/config/sections.h"
 #include "schuler/settings/option_builders.h"
 #include "schuler/settings/toml_file.h"

@@ -96,8 +96,8 @@ ResultBundle simulated_bundle(const settings::ScenarioConfig& scenario, const se
     bundle.seed = simulated.seed;
     bundle.published = scenario.published;
     simulated.recording.gauges = std::move(simulated.instruments.gauges);
-    simulated.recording.body_velocity = std::move(simulated.measurements.velocities);
-    simulated.recording.heading = std::move(simulated.measurements.headings);
+    simulated.recording.body_velocity = std::move(simulated.instruments.velocities);
+    simulated.recording.heading = std::move(simulated.instruments.headings);
     bundle.data = settled_dataset(std::move(simulated.recording), config, warnings, std::move(given));
     bundle.sky = std::move(simulated.sky);
     bundle.receiver_rows = std::move(simulated.receiver_rows);
