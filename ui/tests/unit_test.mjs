@@ -104,6 +104,15 @@ async function derivedSignals() {
   check(drawn.columns[0].includes(50) && drawn.columns[0].includes(null) && drawn.time.length < 1300, `extremes and gaps stay: ${drawn.time.length}`);
 }
 
+/** Limits of nearly all values: ten thousand of them, and a few that are far away. */
+async function limits() {
+  const [{ usualLimits }] = await modules(options.modules, "plots/scales");
+  const x = Array.from({ length: 10_000 }, (_, i) => i),
+    y = x.map((i) => (i % 1000 === 500 ? 900 : Math.sin(i)));
+  const { limits, outside } = usualLimits({ x, y: [y] }, 1, { from: 0, to: 9999 }, -1, 900);
+  check(limits[0] === -1 && limits[1] < 3 && outside === 10, `${limits}, ${outside} outside`);
+}
+
 /** Which columns are the components of a vector. */
 async function vectors() {
   const [{ vectorsOf }] = await modules(options.modules, "pages/signals");
@@ -195,7 +204,7 @@ async function scales() {
   }
 }
 
-for (const step of [scales, exports_, derivedSignals, vectors, palette, events, grids, progress])
+for (const step of [scales, exports_, derivedSignals, limits, vectors, palette, events, grids, progress])
   try {
     await step();
   } catch (e) {

@@ -8,6 +8,7 @@ import type { Page } from "../page";
 import { said } from "../reasons";
 import { watchRuns } from "../streams";
 import { Desk } from "./desk";
+import { partDone } from "./progress";
 import { stateBadge } from "./start";
 
 const tasks = ["process", "gnss", "ahrs", "gravity"] as const;
@@ -335,10 +336,12 @@ export async function batchTablePage(batch: string): Promise<Page> {
   const again = quietly(150, () => void refresh().catch(() => undefined));
   const stop = watchRuns((e) => {
     if (!rows.some(({ run }) => run.id === e.id)) return;
-    progress.set(e.id, e.progress);
+    const part = partDone(e);
+    if (part !== null) progress.set(e.id, part);
     const bar = place.querySelector<HTMLProgressElement>(`tr[data-run="${CSS.escape(e.id)}"] progress`);
-    if (bar && e.state === "running") bar.value = e.progress;
-    else again();
+    if (!bar || e.state !== "running") return again();
+    if (part === null) bar.removeAttribute("value");
+    else bar.value = part;
   });
   // an event that was missed while the page was being made is made up for
   const timer = window.setInterval(() => rows.some(({ run }) => run.state === "running" || run.state === "waiting") && again(), 3000);

@@ -48,9 +48,10 @@ export function usualLimits(
   const values: number[] = [];
   for (const y of data.y) y.forEach((v, i) => v !== null && seen(i) && values.push(v));
   if (values.length < 100) return { limits: [min, max], outside: 0 };
-  values.sort((a, b) => a - b);
-  const low = values[Math.floor(0.01 * values.length)]!,
-    high = values[Math.ceil(0.99 * values.length) - 1]!;
+  // at every frame of a movement: sorted as numbers, which is ten times as quick as by a function
+  const sorted = Float64Array.from(values).sort();
+  const low = sorted[Math.floor(0.01 * sorted.length)]!,
+    high = sorted[Math.ceil(0.99 * sorted.length) - 1]!;
   const room = 0.6 * (high - low);
   const limits: [number, number] = [Math.max(min, low - room), Math.min(max, high + room)];
   const beyond = (v: number | null) => v !== null && (v < limits[0] || v > limits[1]);
