@@ -50,6 +50,12 @@ endif()
 
 target_compile_options(schuler_flags INTERFACE $<$<CONFIG:Release>:-fno-math-errno>)
 
+# Names of folders of the machine that builds are no part of a program: the same sources give the same bytes elsewhere
+# (scripts/reproducible). The report of coverage needs the real names.
+if(NOT SCHULER_COVERAGE)
+    target_compile_options(schuler_flags INTERFACE "-ffile-prefix-map=${PROJECT_SOURCE_DIR}=." "-ffile-prefix-map=${PROJECT_BINARY_DIR}=./build")
+endif()
+
 if(SCHULER_SANITIZE)
     target_compile_options(schuler_flags INTERFACE -fsanitize=${SCHULER_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
     target_link_options(schuler_flags INTERFACE -fsanitize=${SCHULER_SANITIZE})

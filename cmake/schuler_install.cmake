@@ -18,6 +18,11 @@ set(pc_definitions "")
 foreach(definition ${SCHULER_ABI_DEFINITIONS})
     string(APPEND pc_definitions "-D${definition} ")
 endforeach()
+set(pc_hdf5 "")
+if(NOT HDF5_MODULE_NAME)   # found without pkg-config
+    string(JOIN " " pc_hdf5 ${HDF5_C_LIBRARIES})
+    string(APPEND pc_hdf5 " ")
+endif()
 file(RELATIVE_PATH pc_to_prefix "/prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/prefix")   # wherever it is unpacked
 configure_file("${CMAKE_CURRENT_LIST_DIR}/schuler.pc.in" "${PROJECT_BINARY_DIR}/schuler.pc" @ONLY)
 install(FILES "${PROJECT_BINARY_DIR}/schuler.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig" COMPONENT development)

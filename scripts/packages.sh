@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # The one list of the Debian 12 packages Schuler is made of, and the command that installs those that are missing.
 #
-#   scripts/packages.sh --list [build|test|develop|embedded]      names, one a line (all sets when none is named)
+#   scripts/packages.sh --list [build|test|develop|embedded|site] names, one a line (all sets when none is named)
 #   scripts/packages.sh --missing SET                    names that are not installed; exit status 0 when there are none
 #   scripts/packages.sh --install SET                    installs what is missing, as root or through sudo
 #
-# `test` includes `build`, `develop` includes both; `embedded` is what scripts/embedded.sh needs and part of none. Nothing is done,
+# `test` includes `build`, `develop` includes both; `embedded` is what scripts/embedded.sh needs and part of none; so is `site`, of scripts/site.sh. Nothing is done,
 # and apt is not called, when nothing is missing.
 set -euo pipefail
 shopt -s inherit_errexit
@@ -47,6 +47,10 @@ embedded=(
     g++ cmake ninja-build libeigen3-dev libfmt-dev libboost-dev python3
     g++-aarch64-linux-gnu g++-arm-linux-gnueabihf qemu-user-static
 )
+site=(
+    mkdocs
+    doxygen                         # the C++ interface
+)
 
 fail() {
     echo "packages: $*" >&2
@@ -59,7 +63,8 @@ names_of() {
         test) printf '%s\n' "${build[@]}" "${test[@]}" ;;
         develop | "") printf '%s\n' "${build[@]}" "${test[@]}" "${develop[@]}" ;;
         embedded) printf '%s\n' "${embedded[@]}" ;;
-        *) fail "unknown set '$1': build, test, develop or embedded" ;;
+        site) printf '%s\n' "${site[@]}" ;;
+        *) fail "unknown set '$1': build, test, develop, embedded or site" ;;
     esac
 }
 

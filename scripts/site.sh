@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # The documents as a site: README.md as its first page, docs/*.md, the changelog, and the pages of the Python package made of its
-# docstrings. Links between pages, and to their sections, are checked: a broken one is an error.
+# docstrings, and where Doxygen is there the C++ interface made of the headers. Links between pages, and to their sections, are checked: a
+# broken one is an error.
 #
 #   scripts/site.sh OUT_FOLDER [BUILD_FOLDER]        the build folder's Python package, where it has one
 #
-# Needs mkdocs (Debian's). Nothing is loaded from the network when the site is read.
+# Needs mkdocs, and for the C++ interface doxygen (scripts/packages.sh --install site). Nothing is loaded from the network when the site is read.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 out=$(realpath -m "${1:?folder for the site}")
@@ -54,6 +55,14 @@ for name in sorted(schuler.analyze.__all__):
 PYTHON
 fi
 
+if command -v doxygen >/dev/null; then
+    (cd "$root" && { cat docs/Doxyfile; printf 'OUTPUT_DIRECTORY = "%s"\nHTML_OUTPUT = cpp\n' "$work/docs"; } | doxygen - >"$work/doxygen.log" 2>&1) ||
+        { tail -n 5 "$work/doxygen.log" >&2; exit 1; }
+    [ -f "$work/docs/cpp/index.html" ] || { echo "site: doxygen made no pages" >&2; exit 1; }
+    printf '%s\n' '# C++, every name' '' 'Made by Doxygen of the comments in the headers: [classes](cpp/annotated.html), [namespaces](cpp/namespaces.html),' \
+        '[files](cpp/files.html). Introduced in [In real time](embed.md) and [Building and installing](building.md).' >"$work/docs/cpp-api.md"
+fi
+
 page() { [ ! -f "$work/docs/$1" ] || printf '      - "%s": %s\n' "$2" "$1"; }
 {
     printf 'site_name: Schuler\nsite_dir: "%s"\ndocs_dir: "%s"\nuse_directory_urls: false\nplugins: [search]\n' "$out" "$work/docs"
@@ -61,7 +70,7 @@ page() { [ ! -f "$work/docs/$1" ] || printf '      - "%s": %s\n' "$2" "$1"; }
     echo '  - Use:'
     for p in "own-data.md:Your own data" "cookbook.md:Cookbook" "faq.md:Questions" "building.md:Building and installing" "options.md:Options" "files.md:Files" "outputs.md:Outputs" "verdict.md:Verdict" \
         "found.md:What is found" "sensors.md:Sensors" "faults.md:Faults" "ui.md:In the browser" "python.md:Python" "python-api.md:Python, every name" \
-        "octave.md:Octave and MATLAB" "embed.md:In real time" "live.md:Live"; do
+        "octave.md:Octave and MATLAB" "cpp-api.md:C++, every name" "embed.md:In real time" "live.md:Live"; do
         page "${p%%:*}" "${p#*:}"
     done
     echo '  - Subjects:'
@@ -69,7 +78,7 @@ page() { [ ! -f "$work/docs/$1" ] || printf '      - "%s": %s\n' "$2" "$1"; }
         page "${p%%:*}" "${p#*:}"
     done
     echo '  - Background:'
-    for p in "theory.md:Theory" "math.md:Formulas" "estimation.md:Estimation" "conventions.md:Conventions" "results.md:Results" "speed.md:Speed" "glossary.md:Glossary" \
+    for p in "theory.md:Theory" "math.md:Formulas" "estimation.md:Estimation" "conventions.md:Conventions" "results.md:Results" "comparison.md:Beside other programs" "speed.md:Speed" "glossary.md:Glossary" \
         "architecture.md:Architecture" "trust.md:Trust" "security.md:Security" "contributing.md:Contributing" "changelog.md:Changelog"; do
         page "${p%%:*}" "${p#*:}"
     done
@@ -103,6 +112,8 @@ class Page(HTMLParser):
 pages = {path.resolve(): Page(path) for path in Path(sys.argv[1]).rglob("*.html")}
 broken = 0
 for path, page in pages.items():
+    if "cpp" in path.relative_to(Path(sys.argv[1]).resolve()).parts:
+        continue     # Doxygen's own
     for link in sorted(page.links):
         place, section = urldefrag(link)
         there = pages.get((path.parent / unquote(place)).resolve() if place else path)

@@ -4,6 +4,7 @@ from pathlib import Path
 from conan import ConanFile
 from conan.tools.cmake import CMake, CMakeDeps, CMakeToolchain, cmake_layout
 from conan.tools.files import copy
+from conan.tools.gnu import PkgConfigDeps
 
 
 class Schuler(ConanFile):
@@ -26,6 +27,7 @@ class Schuler(ConanFile):
 
     def generate(self):
         CMakeDeps(self).generate()
+        PkgConfigDeps(self).generate()   # cmake/schuler_dependencies.cmake asks pkg-config for most of them
         toolchain = CMakeToolchain(self)
         for option in ("SCHULER_TESTS", "SCHULER_BENCH", "SCHULER_WERROR"):
             toolchain.variables[option] = False

@@ -31,10 +31,48 @@ class Navigator:
         check_of_stream(dict(settings or {}))
         self._compiled = _schuler.Navigator(dict(settings or {}), imu_interval=imu_interval, rates=dict(rates or {}), lag=lag,
                                             still_delay=still_delay, longest_hole=longest_hole)
-        own = self._compiled
-        self.feed_imu, self.feed_gnss, self.feed_baro, self.feed_mag = own.feed_imu, own.feed_gnss, own.feed_baro, own.feed_mag
-        self.feed_odometer, self.feed_heading, self.feed_gauges = own.feed_odometer, own.feed_heading, own.feed_gauges
-        self.feed_body_velocity = own.feed_body_velocity
+
+    def feed_imu(self, time, gyro, accel):
+        """Samples of the IMU: time (s or ns; one or (n,)), gyro and accel ((3,) or (n, 3), sensor axes): rad/s and m/s^2, or with
+        imu.kind = "increments" rad and m/s since the sample before. Time goes on: what is older than the lag is processed now.
+        Returns a schuler.FeedStatus, or (n,) uint8 of a block."""
+        return self._compiled.feed_imu(time, gyro, accel)
+
+    def feed_gnss(self, time, position, velocity=None, std_position=None, std_velocity=None, fix="unknown", satellites=-1):
+        """Fixes: time (s or ns; one or (n,)), position ((3,) or (n, 3): latitude, longitude in rad, height above the ellipsoid in m),
+        velocity (north, east, down, m/s), one sigma of each (north, east, down, m and m/s), each like position or None; fix: "none",
+        "autonomous", "differential", "rtk_float", "rtk_fixed" or "unknown"; number of satellites, -1: unknown. Returns a schuler.FeedStatus, or (n,) uint8 of a block."""
+        return self._compiled.feed_gnss(time, position, velocity, std_position, std_velocity, fix, satellites)
+
+    def feed_baro(self, time, height=None, pressure=None):
+        """The barometer: time (s or ns; one or (n,)), height (m) or pressure (Pa), one or (n,). Returns a schuler.FeedStatus, or (n,) uint8 of
+        a block."""
+        return self._compiled.feed_baro(time, height, pressure)
+
+    def feed_mag(self, time, field):
+        """The magnetometer: time (s or ns; one or (n,)), field ((3,) or (n, 3), T, axes as mag.axes says). Returns a schuler.FeedStatus, or
+        (n,) uint8 of a block."""
+        return self._compiled.feed_mag(time, field)
+
+    def feed_odometer(self, time, speed, std=None):
+        """Speed of the wheels: time (s or ns; one or (n,)), speed and its sigma (m/s, forward positive; one or (n,); None: that of the
+        settings). Returns a schuler.FeedStatus, or (n,) uint8 of a block."""
+        return self._compiled.feed_odometer(time, speed, std)
+
+    def feed_heading(self, time, heading, std=None):
+        """A heading from true north, clockwise: time (s or ns; one or (n,)), heading and its sigma (rad; one or (n,); None: that of the
+        settings). Returns a schuler.FeedStatus, or (n,) uint8 of a block."""
+        return self._compiled.feed_heading(time, heading, std)
+
+    def feed_gauges(self, time, height):
+        """Height gauges, `gauge_count` of the rates: time (s or ns; one or (n,)), height ((3,) or (n, 3), m, up positive; NaN: no such
+        gauge). Returns a schuler.FeedStatus, or (n,) uint8 of a block."""
+        return self._compiled.feed_gauges(time, height)
+
+    def feed_body_velocity(self, time, velocity):
+        """A velocity log: time (s or ns; one or (n,)), velocity relative to the Earth ((3,) or (n, 3), m/s: forward, right, down). Returns a
+        schuler.FeedStatus, or (n,) uint8 of a block."""
+        return self._compiled.feed_body_velocity(time, velocity)
 
     def feed(self, recording):
         """All instruments of a schuler.Recording in the order of their times. Returns how many samples of each were taken: dict."""
@@ -46,7 +84,7 @@ class Navigator:
     def feed_ranges(self, time, names, *, station=None, **columns):
         """One epoch of ranges to n sources: names ("G05", ...), station (n bools; False: satellites), and arrays of n:
         pseudorange, std, variance (m, m, m^2), range_rate, std_rate (m/s), cn0 (dB-Hz), tx (n, 3), tx_velocity (n, 3): transmitter,
-        Earth-fixed (m, m/s), tx_clock (s), tx_clock_rate (s/s), frequency (Hz)."""
+        Earth-fixed (m, m/s), tx_clock (s), tx_clock_rate (s/s), frequency (Hz). time: s or ns. Returns a schuler.FeedStatus."""
         known = ("pseudorange", "range_rate", "std", "std_rate", "cn0", "tx", "tx_velocity", "tx_clock", "tx_clock_rate", "frequency", "variance")
         for name in columns:
             if name not in known:

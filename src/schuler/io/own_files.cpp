@@ -60,7 +60,7 @@ void append(const fs::path& folder, const std::string& lines) {
 
 /// Lines of results have no size: "-1 KIND LAST/NAME". No file has such a name.
 constexpr std::int64_t of_result = -1;
-enum : std::int64_t { begins_anew, has };
+enum : std::int64_t { begins_anew, holds_file };
 
 }  // namespace
 
@@ -97,7 +97,8 @@ std::set<std::string> files_of_result(const fs::path& folder, const std::string&
 void note_result(const fs::path& folder, const std::string& last, const std::set<std::string>& names, bool only) {
     std::string lines = only ? fmt::format("{} {} {}/\n", of_result, std::int64_t{begins_anew}, last) : "";
     for (const std::string& name : names)
-        if (name.find('\n') == std::string::npos) lines += fmt::format("{} {} {}/{}\n", of_result, std::int64_t{has}, last, name);
+        if (name.find('\n') == std::string::npos)
+            lines += fmt::format("{} {} {}/{}\n", of_result, std::int64_t{holds_file}, last, name);
     append(folder, lines);
 }
 

@@ -15,7 +15,7 @@ namespace schuler::live::detail {
 namespace {
 
 /// A whole number of the environment, 0 if there is none.
-std::int64_t number_of(const char* name) {
+std::int64_t whole_number_of(const char* name) {
     const char* text = std::getenv(name);
     std::int64_t value = 0;
     if (text != nullptr) std::from_chars(text, text + std::strlen(text), value);
@@ -37,9 +37,9 @@ ServiceManager::ServiceManager(const std::string& place, double watchdog) : watc
 
 ServiceManager ServiceManager::of_environment() {
     const char* place = std::getenv("NOTIFY_SOCKET");
-    const std::int64_t process = number_of("WATCHDOG_PID");  // it may be meant for a parent of this process
+    const std::int64_t process = whole_number_of("WATCHDOG_PID");  // it may be meant for a parent of this process
     const bool for_this = process == 0 || process == getpid();
-    return {place != nullptr ? place : "", for_this ? 1e-6 * static_cast<double>(number_of("WATCHDOG_USEC")) : 0.0};
+    return {place != nullptr ? place : "", for_this ? 1e-6 * static_cast<double>(whole_number_of("WATCHDOG_USEC")) : 0.0};
 }
 
 void ServiceManager::turned(double now, const std::string& status) {
