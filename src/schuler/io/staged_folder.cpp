@@ -72,7 +72,8 @@ void StagedFolder::publish(const std::string& last) {
         const std::set<std::string> before = files_of_result(target_, last);
         note_result(target_, last, names, false);
         const auto remove_own = [&](const std::string& name) {
-            if (may_overwrite(target_ / name)) fs::remove(target_ / name, ec);
+            const fs::path file = target_ / name;  // no folder and no link that somebody has put in its place
+            if (fs::symlink_status(file, ec).type() == fs::file_type::regular && may_overwrite(file)) fs::remove(file, ec);
         };
         remove_own(last);
         synchronize(target_, target_);
