@@ -61,9 +61,9 @@ Asked asked_of(const cli::CommandLine& line) {
         if (words != given->second.words.end() && !words->second.empty())
             out.input = fmt::format("{}", fmt::join(words->second, ", "));
     }
-    out.less = has("start") && has("stop") ? "process a part of the data with --start and --stop"
-               : has("scenario")           ? "simulate a shorter time, or at lower rates"
-                                           : "give a part of the data";
+    out.less = has("scenario")               ? "simulate a shorter time, or at lower rates"
+               : has("start") && has("stop") ? "process a part of the data with --start and --stop"
+                                             : "give a part of the data";
     return out;
 }
 

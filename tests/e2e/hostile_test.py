@@ -129,6 +129,7 @@ def killed(program, _):
     found = {True: 0, False: 0}
     for turn in range(60):
         seed = 1 + turn % 3
+        subprocess.run(command(1 + (turn + 1) % 3, "result"), cwd=folder, check=True, timeout=60, stdin=subprocess.DEVNULL)   # a whole older result
         list_before = (target / ".schuler").stat().st_size if (target / ".schuler").exists() else 0
         run = subprocess.Popen(command(seed, "result"), cwd=folder, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE)
         # the list of written files grows when the moving begins

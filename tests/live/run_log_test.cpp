@@ -15,6 +15,7 @@
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <thread>
 
 namespace schuler::live {
 namespace {
@@ -82,6 +83,31 @@ TEST_F(LiveLog, StandardErrorIsNotRotated) {
     EXPECT_THAT(text, ::testing::EndsWith("line 49\n"));
     EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 1);
     EXPECT_FALSE(fs::exists("/dev/stderr.1"));
+}
+
+/// A journal that reads late: what it does not take at once is queued, and written before the end.
+TEST_F(LiveLog, LastLinesReachALateReader) {
+    int ends[2];
+    ASSERT_EQ(socketpair(AF_UNIX, SOCK_STREAM, 0, ends), 0);
+    const int small = 4096;
+    ASSERT_EQ(setsockopt(ends[1], SOL_SOCKET, SO_SNDBUF, &small, sizeof small), 0);
+    std::string heard;
+    std::thread reader;
+    {
+        const InsteadOfStandardError socket(ends[1]);
+        detail::RunLog log("stderr", "live.toml", 0.0);
+        for (int i = 0; i < 500; ++i) log.tell("line " + std::to_string(i), 0.0);
+        reader = std::thread([&] {
+            char bytes[4096];
+            for (ssize_t got; (got = read(ends[0], bytes, sizeof bytes)) > 0;) heard.append(bytes, static_cast<std::size_t>(got));
+        });
+    }
+    close(ends[1]);
+    reader.join();
+    close(ends[0]);
+    EXPECT_THAT(heard, ::testing::StartsWith("line 0\n"));
+    EXPECT_THAT(heard, ::testing::EndsWith("line 499\n"));
+    EXPECT_EQ(std::ranges::count(heard, '\n'), 500);
 }
 
 TEST_F(LiveLog, AFileIsStartedAnewAndFiveOlderOnesStay) {

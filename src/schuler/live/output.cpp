@@ -102,7 +102,8 @@ struct Output::State {
         r.fd = std::move(fd);
         // pending data must be queued here, where the oldest can be dropped, not in the system
         const int small = 65536;
-        (void)setsockopt(r.fd.get(), SOL_SOCKET, SO_SNDBUF, &small, sizeof small);
+        if (endpoint.medium != Medium::Standard)  // that one is not of this program alone
+            (void)setsockopt(r.fd.get(), SOL_SOCKET, SO_SNDBUF, &small, sizeof small);
         r.pending = pending;
         if (greeted && !greeting.empty()) {
             push(r, greeting);

@@ -354,6 +354,7 @@ private:
     }
 
     void regular(double now) {
+        log_.tend(now);
         if (now >= next_health_) {
             health(now);
             next_health_ = now + settings_.health_every;

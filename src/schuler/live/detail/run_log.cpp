@@ -4,8 +4,12 @@
 
 #include <fmt/format.h>
 
+#include <poll.h>
+
+#include <chrono>
 #include <memory>
 #include <utility>
+#include <vector>
 
 namespace schuler::live::detail {
 
@@ -28,6 +32,26 @@ RunLog::RunLog(const std::string& place, const std::string& settings_file, doubl
     if (output_->readers() == 0)
         throw input_error(fmt::format("the log cannot be opened: {}", *reason), {settings_file, 0, 0, "live.log"},
                           "name a file in a folder that exists, or write log = \"none\"");
+}
+
+RunLog::~RunLog() {
+    if (!output_) return;
+    using Clock = std::chrono::steady_clock;
+    const auto until = Clock::now() + std::chrono::milliseconds(500);
+    std::vector<Interest> queued;
+    for (output_->interests(queued); !queued.empty() && Clock::now() < until; output_->interests(queued)) {
+        pollfd ready{queued.front().fd, POLLOUT, 0};
+        (void)poll(&ready, 1, 50);
+        output_->ready(ready.fd, 0.0);
+        queued.clear();
+    }
+}
+
+void RunLog::tend(double now) {
+    if (!output_) return;
+    std::vector<Interest> queued;
+    output_->interests(queued);
+    for (const Interest& i : queued) output_->ready(i.fd, now);
 }
 
 void RunLog::tell(const std::string& text, double now) {

@@ -19,7 +19,14 @@ public:
     /// @throws Error(Input) that names `settings_file` if it cannot be opened
     RunLog(const std::string& place, const std::string& settings_file, double now, std::size_t rotate = usual_size);
 
+    /// What is still queued is written if the reader takes it within half a second: the last lines say why a run ended.
+    ~RunLog();
+    RunLog(const RunLog&) = delete;
+    RunLog& operator=(const RunLog&) = delete;
+
     void tell(const std::string& text, double now);
+    /// Writes what is queued, as far as the reader takes it now.
+    void tend(double now);
 
 private:
     std::optional<Output> output_;
