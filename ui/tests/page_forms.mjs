@@ -45,7 +45,7 @@ async function drafts(t) {
     await page.goBack();
     await start.waitFor();
     await see();
-    check((await page.locator(".restored").count()) === 1, `${at}: that a draft was taken up is told`);
+    check(await soon(async () => (await page.locator(".restored").count()) === 1), `${at}: that a draft was taken up is told`);
     await page.getByRole("button", { name: "Discard them" }).click();
     check(await soon(async () => (await page.locator(".restored").count()) === 0), `${at}: and can be discarded`);
   };
@@ -103,7 +103,7 @@ async function again(t) {
     check(run.state === "done", `${of}: ${run.message}`);
     await page.goto(`${address}#/run/${id}/overview`);
     await page.locator(`.run[data-run="${id}"]`).getByRole("link", { name: "Change and run again" }).click();
-    await page.locator(".run").waitFor({ state: "detached" });
+    await page.locator(".run[data-run]").waitFor({ state: "detached" });
     const start = page.locator("button.primary.run");
     await start.waitFor();
     check((await page.locator("input.run-name").inputValue()) === order.title, `${of}: the name is that of the run: ${await page.locator("input.run-name").inputValue()}`);
