@@ -243,6 +243,8 @@ def datasets(program, source):
         check(kinds.get("imu.csv") == "imu" and kinds.get("gnss.csv") == "gnss", f"what is in the files: {kinds}")
         check(found["form"]["problem"] is None and found["form"]["settings"]["imu.file"] == "imu.csv", "the form of a data set")
         raw_log(server, name)
+        plain = server.finished(server.json("POST", "/api/runs", {"kind": "dataset", "dataset": name, "title": "plain"}, 201)["id"])
+        check(server.json("GET", f"/api/runs/{plain['id']}/settings")["settings"] == {}, "a run without settings of its own")
         order = {"kind": "dataset", "dataset": name, "title": "cut", "settings": {"outage": [{"start_s": 110, "duration_s": 20}]}}
         done = server.finished(server.json("POST", "/api/runs", order, 201)["id"])
         check(done["state"] == "done" and len(done["summary"]["outages"]) == 1, f"the data set is processed: {done['message']}")

@@ -116,7 +116,7 @@ export async function separation(t) {
   for (const [title, least] of [["forward − backward", 50], ["difference to the withheld fixes", 20]])
     check(await soon(async () => (await points(page, title))[0] > least), `${title}: ${await points(page, title)}`);
   await page.locator("summary", { hasText: "Settings and where they come from" }).click();
-  await page.getByLabel("Difference to").selectOption({ label: "Plain" });
+  await page.getByLabel("Difference to", { exact: true }).selectOption({ label: "Plain" });
   await page.locator("table.facts thead th", { hasText: "Plain" }).waitFor();
   const rows = await page.locator("table.facts tbody tr").allInnerTexts();
   const { facts } = (await ask(`api/runs/${both.id}`)).summary;
