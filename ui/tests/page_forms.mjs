@@ -95,7 +95,7 @@ async function again(t) {
   const outage = [{ start_s: 130, duration_s: 12 }];
   const orders = {
     scenario: { kind: "scenario", title: "Mine, of a scenario", toml: `${drive(13)}[filter]\nscheme = "loose"\n[[outage]]\nstart_s = 130\nduration_s = 12\n` },
-    "data set": { kind: "dataset", dataset: "repeated", title: "Mine, of a data set", settings: { outage, "filter.smooth": false }, arguments: { backward: true } },
+    "data set": { kind: "dataset", dataset: "repeated", title: "Mine, of a data set", settings: { outage, "run.settle_s": 33 }, arguments: { backward: true } },
   };
   for (const [of, order] of Object.entries(orders)) {
     const { id } = await ask("api/runs", "POST", order);
