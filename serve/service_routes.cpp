@@ -378,7 +378,9 @@ void Service::add_run_routes() {
                            const std::string scenario = text_of(folder / "scenario.toml");
                            const Form form = scenario.empty() ? Form::Dataset : Form::Scenario;
                            const std::string toml = scenario.empty() ? text_of(folder / "settings.toml") : scenario;
-                           if (toml.empty()) throw Refusal{404, "this run was not started here: its settings are in config.toml"};
+                           std::error_code ec;  // no setting of its own is an empty file
+                           if (toml.empty() && !fs::is_regular_file(folder / "settings.toml", ec))
+                               throw Refusal{404, "this run was not started here: its settings are in config.toml"};
                            Json out = understood_aside({{"toml", toml}}, form);
                            out["kind"] = form == Form::Scenario ? "scenario" : "dataset";
                            return json_reply(out);

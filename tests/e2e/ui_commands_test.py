@@ -69,7 +69,7 @@ def commands(program, source):
 
 def every_row(server, folder):
     """Every row is every row, to the end; of too many the extremes, from the beginning to the end."""
-    for name, rows in (("many", 30_000), ("too-many", 510_000)):
+    for name, rows in (("whole-rows", 30_000), ("too-many-rows", 510_000)):
         run = folder / "work" / name
         run.mkdir()
         (run / "run.json").write_text(json.dumps({"title": name, "created": 1, "kind": "dataset", "state": "done"}))

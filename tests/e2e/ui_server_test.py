@@ -217,10 +217,10 @@ def raw_log(server, name):
     few, all_rows = server.json("GET", path + "&points=500"), server.json("GET", path + "&points=0")
     check(few["thinned"] and len(few["time_s"]) < 1500 and few["rows"] > 5000, f"a log is thinned: {few['rows']}")
     check(not all_rows["thinned"] and len(all_rows["time_s"]) == few["rows"], "or every row is given")
-    column = "gyro_x_rad_s"
+    column = "dtheta_x_rad"
     for extreme in (min, max):
         check(extreme(few["columns"][column]) == extreme(all_rows["columns"][column]), "extremes are kept")
-    check(few["units"][column] == "rad/s" and few["units"]["accel_z_m_s2"] == "m/s^2", f"units: {few['units']}")
+    check(few["units"][column] == "rad" and few["units"]["dv_z_m_s"] == "m/s", f"units: {few['units']}")
     part = server.json("GET", path + "&points=0&from=50&to=51")
     inside = [(t, x) for t, x in zip(all_rows["time_s"], all_rows["columns"][column]) if 50 <= t <= 51]
     check(list(zip(part["time_s"], part["columns"][column]))[1:-1] == inside, "a range with one row beyond each end")
@@ -243,6 +243,8 @@ def datasets(program, source):
         check(kinds.get("imu.csv") == "imu" and kinds.get("gnss.csv") == "gnss", f"what is in the files: {kinds}")
         check(found["form"]["problem"] is None and found["form"]["settings"]["imu.file"] == "imu.csv", "the form of a data set")
         raw_log(server, name)
+        plain = server.finished(server.json("POST", "/api/runs", {"kind": "dataset", "dataset": name, "title": "plain"}, 201)["id"])
+        check(server.json("GET", f"/api/runs/{plain['id']}/settings")["settings"] == {}, "a run without settings of its own")
         order = {"kind": "dataset", "dataset": name, "title": "cut", "settings": {"outage": [{"start_s": 110, "duration_s": 20}]}}
         done = server.finished(server.json("POST", "/api/runs", order, 201)["id"])
         check(done["state"] == "done" and len(done["summary"]["outages"]) == 1, f"the data set is processed: {done['message']}")

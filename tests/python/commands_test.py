@@ -65,7 +65,7 @@ class Commands(unittest.TestCase):
 
 class Studies(unittest.TestCase):
     ARGUMENTS = {"equator": {"speed": 600, "height": 10000, "dh": 1}, "schuler": {"tilt_east": 1e-3, "time": 600}, "observability": {"scenario": "car"}, "requirements": {},
-                 "budget": {"scenario": "car", "runs": 2}, "covariance": {"scenario": "car"}, "integrity": {"scenario": "car", "runs": 2}, "triad": {"runs": 1},
+                 "budget": {"scenario": "car", "runs": 2}, "covariance": {"scenario": "car", "settings": {"filter.scheme": "tight"}}, "integrity": {"scenario": "car", "runs": 2}, "triad": {"runs": 1},
                  "allan": {"input": "dataset"}, "protection": {"runs": 2}}
 
     def test_every_one(self):

@@ -51,8 +51,9 @@ class EveryInstrument(unittest.TestCase):
         with open(FOLDER / "all/odometer.csv", "w") as file:
             file.write("time_s,speed_m_s,std_m_s\n")
             file.writelines(f"{t * 1e-9:.3f},{np.linalg.norm(v):.6f},0.05\n" for t, v in zip(truth.time_ns, truth.velocity))
-        with open(FOLDER / "all/dataset.toml", "a") as file:
-            file.write('\n[odometer]\nfile = "odometer.csv"\n')
+        described = (FOLDER / "all/dataset.toml").read_text()
+        assert described.count("[odometer]\n") == 1
+        (FOLDER / "all/dataset.toml").write_text(described.replace("[odometer]\n", '[odometer]\nfile = "odometer.csv"\n'))
         cls.recording = schuler.open(FOLDER / "all")
         cls.rates = {"baro": 20, "mag": 20, "odometer": 20, "heading": 20, "gauges": 20, "gauge_count": 2, "body_velocity": 20}
 
@@ -126,8 +127,8 @@ class Ranges(unittest.TestCase):
         zero = {f"initial.{key}": 0.0 for key in ("time_s", "lon_deg", "vel_n_m_s", "vel_e_m_s", "vel_d_m_s", "roll_deg", "pitch_deg", "heading_deg")}
         sigma = {f"initial.std_{key}": value for key, value in {"n_m": 20, "e_m": 20, "d_m": 20, "vn_m_s": .1, "ve_m_s": .1, "vd_m_s": .1, "roll_deg": .05, "pitch_deg": .05,
                                                                 "heading_deg": .5}.items()}
-        settings = {"filter.scheme": "tight", "imu.grade": "tactical", "vehicle.kind": "air", "initial.lat_deg": 48.0, "initial.height_m": 510.0, "ranges.troposphere": "none",
-                    "ranges.ionosphere": "none", **zero, **sigma, **more}
+        settings = {"filter.scheme": "tight", "imu.grade": "tactical", "vehicle.kind": "air", "initial.lat_deg": 48.0, "initial.height_m": 510.0, "gnss.troposphere": "none",
+                    "gnss.ionosphere": "none", **zero, **sigma, **more}
         return schuler.Navigator(settings, imu_interval=0.02, rates={"ranges": 2})
 
     def columns(self):

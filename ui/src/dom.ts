@@ -50,19 +50,6 @@ export function quietly<A extends unknown[]>(ms: number, f: (...a: A) => void): 
   };
 }
 
-/** Calls `f` no more often than every `ms`, also while it is asked for all the time. */
-export function steadily(ms: number, f: () => void): () => void {
-  let waits = false;
-  return () => {
-    if (waits) return;
-    waits = true;
-    window.setTimeout(() => {
-      waits = false;
-      f();
-    }, ms);
-  };
-}
-
 /** Once the browser has nothing better to do, but soon. */
 export function idle(): Promise<void> {
   const latest = 1500;

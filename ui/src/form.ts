@@ -308,16 +308,26 @@ export class OptionForm {
     return true;
   }
 
-  /** Marks what is a guess, with the evidence. */
+  /** Marks what is a guess, with the evidence; what is doubtful stands together, so that no long section is opened for it. */
   doubts(findings: { key: string; value: string; confidence: number; why: string }[]): void {
+    const unsure: Field[] = [];
     for (const f of findings) {
       const field = this.fields.get(f.key);
       if (!field) continue;
       field.doubt.hidden = false;
-      const unsure = f.confidence < 0.9;
-      field.row.classList.toggle("doubtful", unsure);
-      replace(field.doubt, `${unsure ? "⚠ " : "✓ "}${t("data.sure", { percent: Math.round(100 * f.confidence) })}: ${said(f.why)}`);
-      if (unsure) field.row.closest("details")!.open = true;
+      const doubtful = f.confidence < 0.9;
+      field.row.classList.toggle("doubtful", doubtful);
+      replace(field.doubt, `${doubtful ? "⚠ " : "✓ "}${t("data.sure", { percent: Math.round(100 * f.confidence) })}: ${said(f.why)}`);
+      if (doubtful && !this.first.includes(f.key)) unsure.push(field);
+    }
+    if (unsure.length === 0) return;
+    const place = this.section("doubtful", true);
+    // first of all but the tools
+    this.element.insertBefore(place, this.element.querySelector("details"));
+    for (const { option, row } of unsure) {
+      const section = sectionOf(option.key);
+      if (section !== "general") row.querySelector("label")!.textContent = `${nameOf(section)}: ${labelOf(option.key)}`;
+      place.append(row);
     }
   }
 

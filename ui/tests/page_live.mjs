@@ -71,7 +71,7 @@ async function shared({ check, soon }, tab, server) {
       await one.goto(`${server.address}#/${i % 2 ? "" : "live"}`);
       await one.locator("h1").waitFor({ timeout: 10_000 });
     }
-    const drawn = (one) => one.evaluate(() => document.querySelector(".live figure.plot")?.plot.data.x.at(-1) ?? -1);
+    const drawn = (one) => one.evaluate(() => [...document.querySelectorAll(".live figure.plot")].find((f) => f.plot)?.plot.data.x.at(-1) ?? -1);
     const moves = async (one) => {
       await one.bringToFront();
       const before = await drawn(one);

@@ -393,7 +393,7 @@ async function languages({ page, address, check, soon }) {
 }
 
 export async function work(t) {
-  const steps = [languages, frame, ...formSteps, quality.health, quality.grid, quality.separation, batch, comparisons, carrier, papers, receiver, graticule, tiles, live, restart];
+  const steps = [languages, frame, batch, ...formSteps, quality.health, quality.grid, quality.separation, comparisons, carrier, papers, receiver, graticule, tiles, live, restart];
   for (const step of steps.filter((s) => !t.options.steps || t.options.steps.includes(s.name)))
     try {
       await step(t);

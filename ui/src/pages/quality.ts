@@ -188,28 +188,34 @@ export function separationPlots(run: string, groups: Group[], linked: Linked): T
     });
 }
 
-/** Solution minus withheld fix. */
+/** Three sigma of the windows one by one: the band does not go from one window to the next. */
+export function windowBand(sigma: Values, window: Values): Values {
+  return sigma.map((x, i) => (x === null || (i > 0 && window[i] !== window[i - 1]) ? null : 3 * x));
+}
+
+/** Solution minus withheld fix, inside three sigma. */
 export function outagePlots(run: string, groups: Group[], linked: Linked): TimePlot[] {
-  const g = groups.find((x) => x.group === "/outages");
-  if (!g) return [];
-  return ["position", "velocity"].flatMap((table) => {
-    const columns = g.columns.filter((c) => c.id.startsWith(`/outages/${table}:`));
-    if (columns.length === 0) return [];
-    return [
+  const columns = groups.find((x) => x.group === "/outages")?.columns.filter((c) => c.id.startsWith("/outages/error:")) ?? [];
+  return columns.map(
+    (c, ink) =>
       new TimePlot(
         {
-          title: t("quality.outage_errors", { what: t(`view.${table}`) }),
-          unit: unit(columns[0]!.unit),
+          title: `${t("quality.outage_errors", { what: t("view.position") })}, ${t(c.name)}`,
+          unit: unit(c.unit),
           include: [0],
           height: 165,
           optional: true,
-          lines: columns.map((c, ink) => ({ label: t(c.name), ink, dots: true })),
-          load: loader(run, columns.map((c) => c.id)),
+          stack: "outages",
+          band: t("band"),
+          lines: [{ label: t(c.name), ink, dots: true }],
+          load: loader(run, [c.id, c.id.replace("/error:", "/sigma:"), "/outages/outage:outage"], ([v, s, w]) => {
+            const band = windowBand(s!, w!);
+            return [v!, band, band.map((x) => (x === null ? null : -x))];
+          }),
         },
         linked,
       ),
-    ];
-  });
+  );
 }
 
 export async function qualityView(run: RunDetails, groups: Group[], linked: Linked, others: Promise<{ id: string; title: string }[]>, happened: Promise<Happening[]>): Promise<View> {

@@ -1,6 +1,6 @@
 // A plot over time: linked with the others of its page, thinned by the server, refined as one zooms in.
 import uPlot from "uplot";
-import { copyText, css, h, icon, quietly, replace, saveAs, steadily } from "../dom";
+import { copyText, css, h, icon, quietly, replace, saveAs } from "../dom";
 import { t } from "../i18n";
 import { axesOf, limitsOf, seriesOf } from "./chart";
 import { fileName, rowsOf, savePng, saveSvg } from "./exports";
@@ -47,13 +47,7 @@ export class TimePlot {
   /** The last attempt to load its numbers failed. */
   failed = false;
   private readonly hidden = new Set<number>();
-  private loading = false;
   private readonly refine = quietly(60, () => void this.fetch());
-  /** While the range moves on and on, what comes into it is loaded; what is coarse waits until it rests. */
-  private readonly chase = steadily(120, () => {
-    const [a, b] = this.loaded ?? [Infinity, -Infinity];
-    if (!this.loading && (this.linked.from < a || this.linked.to > b)) void this.fetch();
-  });
 
   constructor(
     readonly settings: PlotSettings,
@@ -150,7 +144,6 @@ export class TimePlot {
     }
     this.chart?.setScale("x", { min: this.linked.from, max: this.linked.to });
     this.refine();
-    this.chase();
   }
 
   private async fetch(): Promise<void> {
@@ -165,7 +158,6 @@ export class TimePlot {
     const range: [number, number] = whole ? [start, stop] : [from - span * 0.75, to + span * 0.75];
     this.request?.abort();
     const request = (this.request = new AbortController());
-    this.loading = true;
     try {
       const points = Math.min(20000, Math.round(this.width * (whole ? 1 : 2.5)));
       const data = await this.settings.load(whole ? undefined : range[0], whole ? undefined : range[1], points, request.signal);
@@ -183,8 +175,6 @@ export class TimePlot {
       if (request.signal.aborted) return;
       this.failed = true;
       this.note.textContent = String((e as Error).message);
-    } finally {
-      if (this.request === request) this.loading = false;
     }
   }
 
