@@ -21,13 +21,13 @@ struct Large {
 };
 void PrintTo(const Large& l, std::ostream* out) { *out << l.set; }
 
-/// The notice about two hours of a car with one setting more.
+/// The notice about two hours at rest with one setting more.
 std::string notice(const std::string& set) {
     const std::filesystem::path file =
         std::filesystem::temp_directory_path() / ("schuler-large-" + std::to_string(getpid()) + ".toml");
     std::ofstream(file) << R"(duration_s = 7200
 [trajectory]
-type = "car"
+type = "static"
 start = { lat_deg = 50, lon_deg = 30, height_m = 100 }
 [imu]
 rate_hz = 100
