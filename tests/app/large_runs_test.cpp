@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <ostream>
 #include <string>
 
@@ -25,17 +26,14 @@ void PrintTo(const Large& l, std::ostream* out) { *out << l.set; }
 std::string notice(const std::string& set) {
     const std::filesystem::path file =
         std::filesystem::temp_directory_path() / ("schuler-large-" + std::to_string(getpid()) + ".toml");
-    std::ofstream(file) << R"(duration_s = 7200
-[trajectory]
-type = "static"
-start = { lat_deg = 50, lon_deg = 30, height_m = 100 }
-[imu]
-rate_hz = 100
-[gnss]
-rate_hz = 1
-)";
-    settings::SettingList given{{"scenario", {file.string()}, {}}};
-    if (!set.empty()) given.push_back({"set", {std::vector<settings::Value>{{set}}}, {}});
+    std::map<std::string, std::string> keys{{"duration_s", "7200"}, {"imu.rate_hz", "100"}, {"gnss.rate_hz", "1"}};
+    if (const std::size_t equal = set.find('='); equal != std::string::npos) keys[set.substr(0, equal)] = set.substr(equal + 1);
+    {
+        std::ofstream out(file);
+        out << "trajectory.type = \"static\"\ntrajectory.start = { lat_deg = 50, lon_deg = 30, height_m = 100 }\n";
+        for (const auto& [key, value] : keys) out << key << " = " << value << '\n';
+    }
+    const settings::SettingList given{{"scenario", {file.string()}, {}}};
     std::string text = notice_of_size(given);
     std::filesystem::remove(file);
     return text;
