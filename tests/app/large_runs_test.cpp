@@ -22,21 +22,19 @@ struct Large {
 };
 void PrintTo(const Large& l, std::ostream* out) { *out << l.set; }
 
-/// The notice about two hours of a car in whose scenario one setting is another or is added.
+/// The notice about two hours at rest with one setting more.
 std::string notice(const std::string& set) {
     const std::filesystem::path file =
         std::filesystem::temp_directory_path() / ("schuler-large-" + std::to_string(getpid()) + ".toml");
-    std::map<std::string, std::string> lines{{"duration_s", "7200"},
-                                             {"trajectory.type", "\"car\""},
-                                             {"trajectory.start", "{ lat_deg = 50, lon_deg = 30, height_m = 100 }"},
-                                             {"imu.rate_hz", "100"},
-                                             {"gnss.rate_hz", "1"}};
-    if (const std::size_t equals = set.find('='); equals != std::string::npos)
-        lines[set.substr(0, equals)] = set.substr(equals + 1);
-    std::ofstream out(file);
-    for (const auto& [key, value] : lines) out << key << " = " << value << "\n";
-    out.close();
-    std::string text = notice_of_size({{"scenario", {file.string()}, {}}});
+    std::map<std::string, std::string> keys{{"duration_s", "7200"}, {"imu.rate_hz", "100"}, {"gnss.rate_hz", "1"}};
+    if (const std::size_t equal = set.find('='); equal != std::string::npos) keys[set.substr(0, equal)] = set.substr(equal + 1);
+    {
+        std::ofstream out(file);
+        out << "trajectory.type = \"static\"\ntrajectory.start = { lat_deg = 50, lon_deg = 30, height_m = 100 }\n";
+        for (const auto& [key, value] : keys) out << key << " = " << value << '\n';
+    }
+    const settings::SettingList given{{"scenario", {file.string()}, {}}};
+    std::string text = notice_of_size(given);
     std::filesystem::remove(file);
     return text;
 }
