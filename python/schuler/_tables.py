@@ -52,9 +52,11 @@ class Table:
         return len(next(iter(self._columns.values()), ()))
 
     def keys(self):
+        """Names of the columns, as those of a dict."""
         return self._columns.keys()
 
     def items(self):
+        """Pairs of name and array of each column; units as in `units`."""
         return self._columns.items()
 
     def si(self):

@@ -33,18 +33,18 @@ def ranges_schemes(program, source):
     """One flight through the schemes with fewer and fewer satellites: below four the receiver has no fix, the tight filter has."""
     rows = json.loads(program("run", source / "examples/schemes-satellites.toml", "-o", "few", "--json").stdout)["schemes"]
     error = {(r["scheme"], r["satellites"]): r["horizontal_m"] for r in rows}
-    for scheme in ("tight", "medium"):
+    for scheme in ("tight", "intermediate"):
         check(error[scheme, 8] < 6 and error[scheme, 4] < 8, f"{scheme} with four and more: {error}")
     # how well a loose filter coasts is a matter of luck: root mean squares over flights
     rows = json.loads(program("montecarlo", source / "examples/schemes-satellites.toml", "-n", 5, "-o", "flights", "--json").stdout)["schemes"]
     error = {(r["scheme"], r["satellites"]): r["horizontal_m"] for r in rows}
-    for scheme in ("tight", "medium"):
+    for scheme in ("tight", "intermediate"):
         for few in (3, 2):
             check(error[scheme, few] < 0.5 * error["loose", few], f"{scheme} with {few} satellites against loose coupling: {error}")
     for r in rows:
         if r["scheme"] != "gnss":
             check(0.6 < r["nees_position"]["mean"] < 7.5, f"{r['scheme']} with {r['satellites']} satellites: {r['nees_position']}")   # 99.9 % of five
-    program("run", source / "examples/schemes-satellites.toml", "--scheme", "medium", "-o", "medium", "--set", "filter.protection.use=true", "-q")
+    program("run", source / "examples/schemes-satellites.toml", "--scheme", "intermediate", "-o", "medium", "--set", "filter.protection.use=true", "-q")
     table = (Path(program.folder) / "few/comparison.csv").read_text().splitlines()
     check(table[0].startswith("scheme,satellites,") and len(table) == 21, f"comparison.csv: {table[0]}, {len(table)} lines")
 
