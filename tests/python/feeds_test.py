@@ -164,7 +164,7 @@ class Ranges(unittest.TestCase):
                             (lambda: n.feed_ranges(1.0, names[:5], **columns), "pseudorange|rows"), (lambda: n.feed_ranges(1.0, names, station=[True], **columns), "another length")):
             with self.assertRaisesRegex(schuler.Error, words):
                 call()
-        self.assertEqual(n.feed_ranges(1.0, names, **{**columns, "pseudorange": np.full(6, np.nan)}), S.BAD_VALUE)
+        self.assertEqual(n.feed_ranges(1.0, names, **{**columns, "pseudorange": np.full(6, np.inf)}), S.BAD_VALUE)
         loose = schuler.Navigator({"imu.grade": "tactical"}, imu_interval=0.02)
         loose.feed_imu(time, gyro, accel)
         self.assertEqual(loose.feed_ranges(1.0, names, **columns), S.NOT_USED)
