@@ -22,7 +22,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 TABLES = "solution,summary,config,kml,states"
 # What two runs of one program do not have in common.
-FLEETING = re.compile(rb'"timing": ?\{[^}]*\}|"(?:version|commit|started|finished)": ?[^,}\n]*|\([0-9.]+ s\)|^read [0-9.]+ s, .*$', re.MULTILINE)
+FLEETING = re.compile(rb'"timing": ?\{[^}]*\}|"(?:version|commit|started|finished|filter_s)": ?[^,}\n]*|\([0-9.]+ s\)|^read [0-9.]+ s, .*$', re.MULTILINE)
 
 
 def commands(data):

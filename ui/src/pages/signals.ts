@@ -60,6 +60,16 @@ function derivedUnit(u: string, operation: Operation | undefined): string {
   return operation === "derivative" ? `${u}/s` : u;
 }
 
+/** What is drawn before anything is chosen: the first usual signal that has values. A solution by phases alone has no velocity. */
+async function firstOf(known: Map<string, unknown>, source: Source): Promise<string | undefined> {
+  const usual = ["/solution/velocity:north", "/solution/position:height", "/attitude/table:roll_deg", "/gravity/table:gravity_disturbance_mgal"].filter((id) => known.has(id));
+  for (const id of usual) {
+    const rows = await source([id], { points: 100 }, new AbortController().signal).catch(() => null);
+    if (rows && Object.values(rows.columns).some((v) => v.some((x) => x !== null))) return id;
+  }
+  return usual[0] ?? [...known.keys()][0];
+}
+
 export async function signalsView(
   run: string,
   groups: Group[],
@@ -68,7 +78,7 @@ export async function signalsView(
 ): Promise<View> {
   const known = catalogue(groups);
   let layouts: Record<string, unknown> = await api.layouts().catch(() => ({}));
-  const first = ["/solution/velocity:north", "/attitude/table:roll_deg", "/gravity/table:gravity_disturbance_mgal"].find((id) => known.has(id)) ?? [...known.keys()][0];
+  const first = await firstOf(known, source);
   let layout: Layout = [first ? [{ id: first }] : []];
   const remembered = sessionStorage.getItem("schuler.signals");
   if (remembered) {
