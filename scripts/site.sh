@@ -15,7 +15,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 mkdir "$work/docs"
-cp "$root"/docs/*.md "$root"/docs/*.png "$root/docs/references.bib" "$work/docs/"
+cp "$root"/docs/*.md "$root/docs/references.bib" "$work/docs/"
 find "$root/docs" -mindepth 1 -maxdepth 1 -type d -exec cp -r {} "$work/docs/" \;   # of pictures
 # links out of docs/ lead to files of the repository, which a site has not: they become text; those from the root lead into docs/
 sed -E 's#\]\(docs/#](#g' "$root/README.md" >"$work/docs/index.md"
