@@ -1,4 +1,4 @@
-// The open connections of the server: those that take long to say what they want make room for others.
+// The open connections of the server: those that take long to send their request make room for others.
 #pragma once
 
 #include <chrono>

@@ -4,11 +4,11 @@
 #include "schuler/io/streams.h"
 #include "schuler/io/text/columns.h"
 #include "schuler/io/text/table.h"
+#include "schuler/settings/units_of_keys.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -21,19 +21,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 constexpr std::size_t most_columns = 60, most_rows_of_picture = 20'000;
-
-/// Units at the end of names; longer ones first.
-// clang-format off
-constexpr std::array<std::pair<std::string_view, std::string_view>, 20> unit_marks{{
-    {"_m_s2", "m/s^2"}, {"_deg_s", "deg/s"}, {"_rad_s", "rad/s"}, {"_deg_h", "deg/h"}, {"_mgal", "mGal"}, {"_m_s", "m/s"}, {"_deg", "deg"},
-    {"_rad", "rad"},    {"_hpa", "hPa"},     {"_dbhz", "dB-Hz"},  {"_pa", "Pa"},       {"_ut", "uT"},     {"_mg", "mg"},   {"_hz", "Hz"},
-    {"_ms", "ms"},      {"_us", "us"},       {"_ns", "ns"},       {"_c", "degC"},      {"_m", "m"},       {"_s", "s"}}};
-// clang-format on
-
-std::string_view unit_of_name(std::string_view name) {
-    const auto it = std::ranges::find_if(unit_marks, [&](const auto& mark) { return name.ends_with(mark.first); });
-    return it == unit_marks.end() ? std::string_view{} : it->second;
-}
 
 double seconds_of(io::TimeUnit unit) {
     switch (unit) {
@@ -147,7 +134,7 @@ Json raw_columns(const RawRequest& request) {
         for (const std::size_t r : chosen) column.push_back(number(values[c][r]));
         out["columns"][name] = std::move(column);
         const bool stated = c < layout.units.size() && !layout.units[c].empty();
-        out["units"][name] = stated ? layout.units[c] : std::string(unit_of_name(name));
+        out["units"][name] = stated ? layout.units[c] : std::string(settings::unit_of_key(name).plain);
     }
     return out;
 }

@@ -20,8 +20,9 @@ struct ProcessRequest {
     SettingList above;
     std::optional<std::uint64_t> seed;  ///< of a scenario
     std::string version;
-    std::function<void(double)> progress;         ///< may be empty
-    std::function<void(std::string_view)> stage;  ///< told reading, simulating, filtering, checking, writing; may be empty
+    std::function<void(double)> progress;  ///< may be empty
+    std::function<void(std::string_view)>
+        stage;  ///< called at the start of reading, simulating, filtering, checking, writing; may be empty
 
     void begin(std::string_view what) const {
         if (stage) stage(what);

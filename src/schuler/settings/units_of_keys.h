@@ -1,4 +1,4 @@
-// The unit at the end of a key: "imu.gyro_noise_deg_sqrt_h" is in deg/sqrt(h).
+// The unit at the end of a key, or of the name of a column: "imu.gyro_noise_deg_sqrt_h" is in deg/sqrt(h).
 #pragma once
 
 #include <string_view>

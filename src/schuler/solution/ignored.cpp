@@ -172,7 +172,7 @@ std::vector<Rule> gravity_rules(const ResultBundle& b) {
         {{"baro."}, unless(c.gravity.height_aid, by_survey("the barometer is used with gravity.height_aid only"))},
         {{"filter.self_check"}, "it belongs to `schuler process`"},
         {{"imu.mounting_std_deg", "vehicle."}, by_survey("gravimetry uses no motion of the vehicle")},
-        {{"filter.feedback_"}, unless(c.filter.loop == fusion::Loop::Mixed, "filter.loop is not \"mixed\"")},
+        {{"filter.feedback_"}, std::string(settings::idle_reason("filter.feedback_", c))},
         {{"imu.estimate_noise"},
          unless(!fusion::gives_start(c.filter.initial), "noise is estimated where the start is, and [initial] gives the start")},
         {{"ranges.", "stations."}, by_survey("gravimetry uses no ranges")}};

@@ -169,7 +169,7 @@ void straighten(AhrsInput& out, WarningLog& warnings) {
     warnings.add(
         "ahrs.mag.axes.turned",
         fmt::format(
-            "the magnetometer turns with the gyro only as {} (body axis = reading; {:.0f} % of the field's variation is consistent with the gyro, {:.0f} % as given): the axes were remapped accordingly{}; name its columns accordingly",
+            "the magnetometer turns with the gyro only as {} (body axis = reading; {:.0f} % of the field's variation is consistent with the gyro, {:.0f} % as given): the axes were remapped{}; name its columns accordingly",
             ahrs::axes_text(out.axes.C_bs), 100.0 * out.axes.explained, 100.0 * out.axes.as_given,
             out.axes.sign_assumed ? ", the field taken to point down, as north of the equator" : ""));
 }

@@ -22,13 +22,8 @@ constexpr std::int64_t one_second = 1'000'000'000, one_day = 86'400 * one_second
 
 /// The digits [from, from + count) of a record; negative if there are others than digits.
 std::int64_t digits(std::string_view record, std::size_t from, std::size_t count) {
-    if (count == 0 || count > 9 || from + count > record.size()) return -1;
-    std::int64_t value = 0;
-    for (const char c : record.substr(from, count)) {
-        if (c < '0' || c > '9') return -1;
-        value = 10 * value + (c - '0');
-    }
-    return value;
+    const std::string_view text = columns_of(record, from, count);
+    return text.size() == count ? detail::small_integer(text).value_or(-1) : -1;
 }
 
 /// An altitude of five characters, m: "00512", "-0012".

@@ -26,7 +26,7 @@ RunLog::RunLog(const std::string& place, const std::string& settings_file, doubl
         to.path = place;
         limits.rotate = rotate;
     }
-    const auto reason = std::make_shared<std::string>();  // lives as long as the output that tells it
+    const auto reason = std::make_shared<std::string>();  // lives as long as the output that reports it
     output_.emplace(std::move(to), limits, [reason](const std::string& text) { *reason = text; });
     output_->tend(now);
     if (output_->readers() == 0)

@@ -1,4 +1,4 @@
-// What a service manager is told about a live run (sd_notify(3) of systemd): a datagram each.
+// Notifications of a live run to a service manager (sd_notify(3) of systemd): a datagram each.
 #pragma once
 
 #include "schuler/live/detail/descriptor.h"
@@ -10,8 +10,8 @@ namespace schuler::live::detail {
 /// Without a socket of a manager nothing is sent. Never waits: what the manager does not take is lost.
 class ServiceManager {
 public:
-    /// `place`: path of the manager's socket, or '@' and the name of an abstract one; empty: none. `watchdog`: s, within which it wants to
-    /// hear of a run; 0: it does not.
+    /// `place`: path of the manager's socket, or '@' and the name of an abstract one; empty: none. `watchdog`: s, within which it expects
+    /// a notification; 0: none.
     ServiceManager(const std::string& place, double watchdog);
     /// NOTIFY_SOCKET, WATCHDOG_USEC and WATCHDOG_PID of the environment.
     [[nodiscard]] static ServiceManager of_environment();
