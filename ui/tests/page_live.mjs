@@ -84,7 +84,8 @@ async function shared({ check, soon }, tab, server) {
     const n = (path) => asked.filter((p) => p === path).length;
     check(n("/api/live") === 0 && n("/api/events") <= 1, `eight tabs have one stream of each kind: ${asked}`);
     await tab.goto(`${server.address}#/`);
-    check(await moves(more[4]), "the next tab listens when the first one leaves");
+    check(await soon(async () => n("/api/live") > 0), "the next tab listens when the first one leaves");
+    check(await moves(more[4]), "and the others hear it");
     check(n("/api/live") === 1, `by one stream again: ${asked}`);
   } finally {
     context.off("request", listen);
