@@ -155,6 +155,16 @@ def iron(dice, seed, index):
     return (calibrated, 0) if own.random() < 0.5 else (round(own.uniform(3, 10), 2), round(own.uniform(0, 0.05), 3))
 
 
+# deg/h per g: most of what the gyros of small units err with the specific force
+G_DEPENDENCE = {"consumer": 720.0, "mems": 180.0}
+
+
+def g_dependence(seed, index, grade):
+    """g-dependent gyro bias (deg/h/g): half of the small units have one. From numbers of its own, as the lever arm is."""
+    own, most = random.Random(f"{seed}/{index}/g"), G_DEPENDENCE.get(grade, 0.0)
+    return 0.0 if own.random() < 0.5 or most == 0.0 else round(most * math.exp(own.uniform(-3.0, 0.0)), 1)
+
+
 def further_sensors(dice, seed, index):
     """Sections of barometer and magnetometer, and their names."""
     text, names = "", []
@@ -196,16 +206,18 @@ def draw(seed, index, shortest=180.0, longest=1200.0, antenna=False):
     sensors, sections = further_sensors(dice, seed, index)
     rate, written = dice.choice([50, 100, 100, 200]), style(dice)
     outages = withheld(dice, duration)
+    g_error = g_dependence(seed, index, grade)
     arm, given = lever_arm(seed, index, vehicle) if antenna else ((0.0, 0.0, 0.0), False)
     if antenna:
         gnss["lever_arm_m"] = list(arm)
-    properties = {"vehicle": vehicle, "path": path, "duration": duration, "grade": grade, "imu rate": rate, "mounting": words, "axes": written.axes, **told,
+    properties = {"vehicle": vehicle, "path": path, "duration": duration, "grade": grade, "gyro_g": g_error, "imu rate": rate, "mounting": words, "axes": written.axes, **told,
                   "gnss velocity": "yes" if written.velocity else "no", "sigma": stated_words(written.stated), "sigma factor": written.stated,
                   "sensors": sensors, "time": written.time, "units": written.imu, "columns": written.gnss, "outages": len(outages),
                   "antenna": ("told" if given else "not told") if antenna else "at the unit"}
     general = f'name = "log{index}"\nseed = {dice.randrange(1, 1_000_000)}\nduration_s = {duration}\nreference_rate_hz = 50\n'
     if vehicle == "hand":
         general += toml("vehicle", {"kind": quoted("hand")})
-    scenario = general + toml("trajectory", trajectory) + toml("imu", {"rate_hz": rate, "kind": quoted("rates"), "grade": quoted(grade), "mounting_deg": angles})
+    scenario = general + toml("trajectory", trajectory) + toml("imu", {"rate_hz": rate, "kind": quoted("rates"), "grade": quoted(grade), "gyro_g_deg_h_g": g_error,
+                                                                                       "mounting_deg": angles})
     return Draw(f"{seed}/{index}", properties, scenario + toml("gnss", gnss) + sections, written, outages, duration, vehicle != "static",
                 arm, given)

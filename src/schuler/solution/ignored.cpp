@@ -210,7 +210,7 @@ std::vector<Rule> sensor_rules(const ResultBundle& b) {
         {{"baro.sea_level_pressure_pa"},
          unless(!baro || std::ranges::any_of(r.baro, [](const BaroSample& x) { return std::isfinite(x.pressure); }),
                 "the log gives heights, not pressures")},
-        {{"imu.gyro_quantum_", "imu.gyro_temperature_", "imu.gyro_g_", "imu.accel_quantum_", "imu.accel_temperature_"},
+        {{"imu.gyro_quantum_", "imu.gyro_temperature_", "imu.accel_quantum_", "imu.accel_temperature_"},
          unless(b.command != "process" && (b.command != "gravity" || b.data.true_reference),
                 "it is an error of simulated units; the filter has biases and white noise for it")},
         {{"baro.white_m", "baro.bias_", "baro.sea_level_pressure_pa", "baro.columns", "baro.scale", "baro.time_offset_s"},

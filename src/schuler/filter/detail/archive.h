@@ -177,9 +177,10 @@ SCHULER_ARCHIVED(Corrections, antenna_moved, arm_turned, velocity, latency)
 SCHULER_ARCHIVED(Withheld, change, limit, covered, noise)
 SCHULER_ARCHIVED(RecentChange, mean, square, derivative_square)
 SCHULER_ARCHIVED(RecentMean, lags, lag)
+SCHULER_ARCHIVED(SustainedForce, now, mean, time)
 SCHULER_ARCHIVED_IN_FRAME(InertialFilter, nav, parameters, error, P, gathered, used, C, previous, w_ib_b, mean_rate, recent_rate,
-                          force_change, last_force, mean_force, recent_force, corrections, withheld, cached_time, cached_diagonal,
-                          cached_q, slot_process)
+                          force_change, last_force, mean_force, recent_force, sustained_force, corrections, withheld, cached_time,
+                          cached_diagonal, cached_q, slot_process)
 SCHULER_ARCHIVED(estim::Row, head, index, value, count)
 SCHULER_ARCHIVED(Measurement, dof, rows, innovation, variance)
 SCHULER_ARCHIVED(CarriedFix, measurement, corrected, rows, left, stamp, next, every)

@@ -1,6 +1,6 @@
 #include "schuler/filter/states/inertial_filter.h"
 
-#include "schuler/core/units.h"
+#include "schuler/filter/states/gain_noise.h"
 
 #include <Eigen/LU>
 
@@ -57,17 +57,6 @@ Matrix3d gain(const Vector3d& scale, const Eigen::Matrix<double, 6, 1>& m) {
     Matrix3d G;
     G << 1.0 + scale.x(), m(0), m(1), m(2), 1.0 + scale.y(), m(3), m(4), m(5), 1.0 + scale.z();
     return G;
-}
-
-/// Scale factors and misalignments that are not states act during rotation and where the specific force differs from that at rest, whose
-/// effect is absorbed by the biases: modelled as white noise that causes, after a manoeuvre of `manoeuvre` seconds, the same error.
-BridgeNoise gain_noise(const InertialModel& model, const ImuIncrement& increment) {
-    constexpr double manoeuvre = 10.0;  // s
-    const double dt2 = increment.dt * increment.dt, g0 = units::g0;
-    const double beyond_rest = std::max(0.0, increment.dv.squaredNorm() / dt2 - g0 * g0);
-    const double turning = increment.dtheta.squaredNorm() / dt2;
-    return {model.gyro_gain * model.gyro_gain * turning * manoeuvre,
-            model.accel_gain * model.accel_gain * beyond_rest * manoeuvre};
 }
 
 BiasNoise bias_noise(const InertialModel& model) {
@@ -138,6 +127,10 @@ void InertialFilter<Frame>::propagate(const InertialModel& model, const ImuIncre
         const BridgeNoise more = gain_noise(model, raw);
         gyro_psd += more.gyro_psd;
         accel_psd += more.accel_psd;
+    }
+    if (model.gyro_g > 0.0) {
+        sustained_force.add((by_dt * Triple(inc.dv)).vector(), dt);
+        gyro_psd += model.gyro_g * model.gyro_g * sustained_force.gathered_square();
     }
     const Vector3d effective = bridge.standing ? vertical_part(model, df, dt) : df;
     gathered.add(model.layout, dt, 0.5 * (C0 + C), effective, rate.vector(), (by_dt * Triple(inc.dv)).vector(), gyro_psd,

@@ -15,6 +15,7 @@
 #include "schuler/filter/states/layout.h"
 #include "schuler/filter/states/recent_change.h"
 #include "schuler/filter/states/recent_mean.h"
+#include "schuler/filter/states/sustained_force.h"
 #include "schuler/sensor/grades.h"
 
 #include <Eigen/Core>
@@ -47,8 +48,9 @@ struct InertialModel {
     double accel_psd = 0.0;  ///< m^2/s^3
     /// One sigma of scale factors and misalignments that are not states: noise during manoeuvres.
     double gyro_gain = 0.0, accel_gain = 0.0;
-    double gyro_vibration = 0.0, accel_vibration = 0.0;             ///< ImuSettings, scaled as the noise
-    double found_mounting_std = 0.0;                                ///< rad, ImuSettings
+    double gyro_g = 0.0;                                 ///< likewise of the gyro bias per unit of specific force, rad/s/(m/s^2)
+    double gyro_vibration = 0.0, accel_vibration = 0.0;  ///< ImuSettings, scaled as the noise
+    double found_mounting_std = 0.0;                     ///< rad, ImuSettings
     Eigen::Vector3d found_lever_arm_std = Eigen::Vector3d::Zero();  ///< m, GnssSettings
     bool at_antenna = false;                                        ///< the solution is that of the antenna
     double leeway_std = 0.0;                                        ///< rad, if the heading sensor is the course of a ship
@@ -103,6 +105,7 @@ struct InertialFilter {
     Eigen::Vector3d last_force = Eigen::Vector3d::Zero();  ///< of the last increment, likewise
     Eigen::Vector3d mean_force = Eigen::Vector3d::Zero();  ///< specific force over the last interval, frame axes, m/s^2
     RecentMean recent_force;                               ///< likewise, independent of the intervals of measurements
+    SustainedForce sustained_force;                        ///< with a g-dependent gyro bias
     Corrections corrections;
     Withheld withheld;          ///< from the column of the heading
     double cached_time = -1.0;  ///< of decay and noise below, s

@@ -186,6 +186,7 @@ InertialModel make_model(const Settings& settings, const Layout& layout) {
         model.accel_gain = std::hypot(layout.accel_scale < 0 ? imu.accel_scale : 0.0,
                                       layout.accel_misalignment < 0 ? imu.accel_misalignment : 0.0);
     }
+    model.gyro_g = settings.imu.errors.gyro_g * settings.imu.gyro_noise_scale.value_or(1.0);
     model.gyro_vibration = settings.imu.gyro_vibration.value_or(0.0) * settings.imu.gyro_noise_scale.value_or(1.0);
     model.accel_vibration = settings.imu.accel_vibration.value_or(0.0) * settings.imu.accel_noise_scale.value_or(1.0);
     model.found_mounting_std = settings.imu.found_mounting_std;

@@ -48,7 +48,7 @@ std::uint64_t NavigatorEngine::fingerprint() const {
     const FeedRates& r = settings.rates;
     const auto latency = [](std::optional<double> x) { return x.value_or(-1.0); };
     // clang-format off
-    const double numbers[] = {m.gyro_psd, m.accel_psd, m.gyro_gain, m.accel_gain, m.gyro_vibration, m.accel_vibration, m.clock_psd, m.drift_psd,
+    const double numbers[] = {m.gyro_psd, m.accel_psd, m.gyro_gain, m.accel_gain, m.gyro_g, m.gyro_vibration, m.accel_vibration, m.clock_psd, m.drift_psd,
                               settings.lag, settings.imu_interval, settings.still_delay, settings.longest_hole,
                               settings.still.force_std, settings.still.rate_std,
                               g.latency, latency(g.velocity_latency), latency(g.height_latency), latency(g.velocity_down_latency), latency(g.jitter),
