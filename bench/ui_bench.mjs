@@ -1,7 +1,7 @@
 // Numbers of the page of `schuler ui`, in headless Chromium: first paint, opening of an hour's run at 100 Hz, frames a second while
 // two million rows are panned and zoomed, a thousand runs in the list, size of the bundle. Exit status 1 where one misses its goal.
 //   node bench/ui_bench.mjs --program build/bin/schuler --modules build/ui/node_modules --dist ui/bundle
-// --dist is measured, and served in place of the page in the program.
+// Measured is the page in the program, as its server sends it; it must be that of --dist.
 import { spawn, spawnSync } from "node:child_process";
 import { cpSync, mkdirSync, mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
@@ -71,11 +71,11 @@ const entrance = await new Promise((r) => server.stdout.on("data", (d) => r(/htt
 const address = new URL("/", entrance).href;
 const browser = await chromium.launch({ executablePath: options.browser ?? "/usr/bin/chromium", args: ["--no-sandbox"] });
 const context = await browser.newContext({ viewport: { width: 1280, height: 900 } });
-await context.route(/\/assets\/|\/icon\.svg$/, (route) => {
-  const path = new URL(route.request().url()).pathname.slice(1);
-  const type = { js: "text/javascript", css: "text/css", svg: "image/svg+xml" }[path.split(".").at(-1)];
-  return route.fulfill({ contentType: type, body: readFileSync(join(options.dist, path)) });
-});
+const token = { headers: { Authorization: `Bearer ${new URL(entrance).searchParams.get("token")}` } };
+for (const file of readdirSync(join(options.dist, "assets"))) {
+  const sent = Buffer.from(await (await fetch(`${address}assets/${file}`, token)).arrayBuffer());
+  if (!sent.equals(readFileSync(join(options.dist, "assets", file)))) throw new Error(`${file} in the program is another one: build the program`);
+}
 const page = await context.newPage();
 const median = (all) => [...all].sort((a, b) => a - b)[all.length >> 1];
 
@@ -168,7 +168,7 @@ for (let i = 0; i < 10; ++i) {
   await (
     await fetch(
       `${address}api/runs/million/series?columns=/errors/position:east,/errors/std_position:east&from=${i * 500}&to=${i * 500 + 5000}&points=1200`,
-      { headers: { Authorization: `Bearer ${new URL(entrance).searchParams.get("token")}` } },
+      token,
     )
   ).text();
   asked.push(performance.now() - begin);

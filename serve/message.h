@@ -27,6 +27,7 @@ struct Reply {
     std::string type = "application/json", body;
     std::filesystem::path file;           ///< if not empty: this file is sent instead of `body`
     std::string download;                 ///< if not empty: the file name used by the browser for saving
+    std::string tag;                      ///< if not empty: the browser keeps it and asks whether it is still this version
     bool page_of_its_own = false;         ///< a report: it may run only its own script
     std::function<std::string()> events;  ///< if not empty: server-sent events; waits at most a second, "" if nothing happened
 };

@@ -67,18 +67,17 @@ ColumnTable read_table(const fs::path& folder, const std::string& path) {
         return out;
     }
     const io::Hdf5Reader file(h5_of(folder));
-    const io::Hdf5Table table = file.table(path);
     ColumnTable out;
+    out.columns = file.columns(path);
     const bool time = path.ends_with("/time_s");
     out.names = time ? std::vector<std::string>{"time"} : io::split(file.attribute(path, "columns"), ',');
     out.units = io::split(file.attribute(path, "units"), ',');
-    out.names.resize(table.columns);
-    out.units.resize(table.columns, out.units.empty() ? "" : out.units.front());
-    out.columns.resize(table.columns);
-    const double shift = time ? origin_of(file) : 0.0;
-    for (std::size_t c = 0; c < table.columns; ++c) {
-        out.columns[c].resize(table.rows);
-        for (std::size_t r = 0; r < table.rows; ++r) out.columns[c][r] = table(r, c) - shift;
+    out.names.resize(out.columns.size());
+    out.units.resize(out.columns.size(), out.units.empty() ? "" : out.units.front());
+    if (time) {
+        const double shift = origin_of(file);
+        for (std::vector<double>& column : out.columns)
+            for (double& t : column) t -= shift;
     }
     return out;
 }
@@ -266,6 +265,12 @@ Json Results::channels(const fs::path& folder) {
     return out;
 }
 
+bool Results::has_tables(const fs::path& folder) {
+    std::error_code ec;
+    const auto there = [&](const CsvGroup& g) { return !g.absolute && fs::is_regular_file(folder / g.file, ec); };
+    return fs::is_regular_file(folder / "run.h5", ec) || std::ranges::any_of(csv_groups(), there);
+}
+
 void Results::read_all(const fs::path& folder) {
     std::set<std::string> paths;
     for (const Json& group : channels(folder))
@@ -277,7 +282,7 @@ void Results::read_all(const fs::path& folder) {
     for (const std::string& path : paths) {
         const std::size_t rows = table(folder, group_of(path) + "/time_s")->rows();
         try {
-            const bool same = csv_of(folder, path).empty() ? io::Hdf5Reader(h5_of(folder)).table(path).rows == rows
+            const bool same = csv_of(folder, path).empty() ? io::Hdf5Reader(h5_of(folder)).read_through(path) == rows
                                                            : read_table(folder, path).rows() == rows;
             if (!same) throw Refusal{404, "the tables of this group differ in length"};
         } catch (const Error& e) {
@@ -287,7 +292,7 @@ void Results::read_all(const fs::path& folder) {
 }
 
 std::string Results::series(const fs::path& folder, const SeriesRequest& request, const fs::path& origin) {
-    const std::lock_guard lock(mutex_);
+    std::unique_lock lock(mutex_);
     std::string group;
     std::vector<const std::vector<double>*> values;
     std::vector<std::string> units;
@@ -312,6 +317,7 @@ std::string Results::series(const fs::path& folder, const SeriesRequest& request
     const Table time = table(folder, group + "/time_s");
     for (const auto* v : values)
         if (v->size() != time->rows()) throw Refusal{404, "the tables of this group differ in length"};
+    lock.unlock();  // nothing is read from here on: others need not wait
     return series_text(*time, values, request, units);
 }
 
@@ -351,8 +357,9 @@ Results::Table Results::subtracted(const fs::path& folder, const fs::path& other
 }
 
 std::string Results::difference(const fs::path& folder, const fs::path& other, const SeriesRequest& request) {
-    const std::lock_guard lock(mutex_);
+    std::unique_lock lock(mutex_);
     const Table made = subtracted(folder, other), time = table(folder, "/solution/time_s");
+    lock.unlock();
     SeriesRequest all = request;
     all.columns.clear();
     std::vector<const std::vector<double>*> values;

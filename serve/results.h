@@ -36,13 +36,16 @@ inline constexpr std::size_t most_rows = 20'000, most_whole_rows = 500'000;
 [[nodiscard]] std::string series_text(const ColumnTable& time, const std::vector<const std::vector<double>*>& values,
                                       const SeriesRequest& request, const std::vector<std::string>& units);
 
-/// Reads run.h5 files with a cache of the most recent ones. One thread at a time: the HDF5 library is not reentrant.
+/// Reads run.h5 files with a cache of the most recent ones. One thread at a time reads: the HDF5 library is not reentrant.
 class Results {
 public:
     /// [{group, rows, start_s, stop_s, columns: [{id, name, unit}]}]. In addition to the tables of the file, every group with
     /// positions has PATH/local: north, east, up in metres from the run's first position. Result tables in CSV are also groups:
     /// /gravity (gravity.csv), /ensemble (epochs.csv of a Monte Carlo campaign).
     [[nodiscard]] Json channels(const std::filesystem::path& folder);
+
+    /// Whether a run has files of which `channels` tells.
+    [[nodiscard]] static bool has_tables(const std::filesystem::path& folder);
 
     /// Reads every table once without keeping it: whether the libraries survive the files. @throws Refusal 404 if one cannot be read
     void read_all(const std::filesystem::path& folder);

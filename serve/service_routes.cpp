@@ -317,27 +317,32 @@ void Service::add_run_routes() {
          "seeds), arguments: {option: value} as /api/commands, title, settings: {key: value} or toml: text, dataset: name, output_rate_hz}",
          "201 and the run",
          [this](const Request& r) { return start_run(Json::parse(r.body)); }});
-    routes_.push_back({"GET",
-                       "/api/runs/{run}",
-                       "one run with its summary",
-                       {},
-                       "",
-                       "the run with summary (as summary.json) and files",
-                       [this](const Request& r) {
-                           Json run = run_now(r.parts[0]);
-                           const fs::path folder = workspace_.run_folder(r.parts[0]);
-                           const Json summary = Json::parse(text_of(folder / "summary.json"), nullptr, false);
-                           run["summary"] = summary.is_discarded() ? Json(nullptr) : summary;
-                           Json files = Json::array();
-                           std::error_code ec;
-                           for (const auto& entry : fs::directory_iterator(folder, ec)) {
-                               const std::string name = entry.path().filename().string();
-                               if (entry.is_regular_file(ec) && is_file_name(name) && name != "run.json") files.push_back(name);
-                           }
-                           std::sort(files.begin(), files.end());
-                           run["files"] = files;
-                           return json_reply(run);
-                       }});
+    routes_.push_back(
+        {"GET",
+         "/api/runs/{run}",
+         "one run with its summary",
+         {{"channels", "boolean", "1: and with what /channels tells of it"}},
+         "",
+         "the run with summary (as summary.json) and files; with channels, empty where there are none or it is at work",
+         [this](const Request& r) {
+             Json run = run_now(r.parts[0]);
+             const fs::path folder = workspace_.run_folder(r.parts[0]);
+             const Json summary = Json::parse(text_of(folder / "summary.json"), nullptr, false);
+             run["summary"] = summary.is_discarded() ? Json(nullptr) : summary;
+             Json files = Json::array();
+             std::error_code ec;
+             for (const auto& entry : fs::directory_iterator(folder, ec)) {
+                 const std::string name = entry.path().filename().string();
+                 if (entry.is_regular_file(ec) && is_file_name(name) && name != "run.json") files.push_back(name);
+             }
+             std::sort(files.begin(), files.end());
+             run["files"] = files;
+             if (r.asked("channels") == "1") {
+                 const bool tables = !jobs_.busy(r.parts[0]) && Results::has_tables(folder);
+                 run["channels"] = tables ? results_.channels(readable_run(r.parts[0])) : Json::array();
+             }
+             return json_reply(run);
+         }});
     routes_.push_back({"PATCH",
                        "/api/runs/{run}",
                        "gives a run another title or a note",

@@ -79,6 +79,20 @@ def attacks(program, source):
         check(memory.seen > 0 and memory.peak < 1100, f"a preview's process: {memory.peak:.0f} MB in {memory.seen} looks at it")
         check(time.monotonic() - begin < 60, "in time")
 
+        # what a browser keeps of the page, and asks for again
+        for path in ("/", "/assets/main.js", "/assets/first.js"):
+            reply, script = server.ask("GET", path)
+            tag = reply.headers["ETag"]
+            check(reply.headers["Cache-Control"] == "no-cache", f"{path} is kept, and asked for each time")
+            again, nothing = server.ask("GET", path, headers={"If-None-Match": tag})
+            check(again.status == 304 and nothing == b"" and again.headers["ETag"] == tag, f"{path} is not sent again: {again.status}")
+            old, whole = server.ask("GET", path, headers={"If-None-Match": '"0123456789abcdef"'})
+            check(old.status == 200 and whole == script and len(script) > 500, f"another {path} is sent again")
+            stranger, _ = server.ask("GET", path, headers={"If-None-Match": tag, "Authorization": None})
+            check(stranger.status == 401, f"{path}: who has no token is not told that it is the same: {stranger.status}")
+        reply, _ = server.ask("GET", "/api/runs")
+        check(reply.headers["Cache-Control"] == "no-store" and reply.headers["ETag"] is None, "what the interface says is not kept")
+
         # a run whose results are damaged, byte by byte
         run = server.json("POST", "/api/runs", {"kind": "scenario", "toml": SMALL, "title": "x"}, 201)["id"]
         server.finished(run)

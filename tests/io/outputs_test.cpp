@@ -97,6 +97,14 @@ TEST_F(Hdf5, RoundTripAndSameBytes) {
     ASSERT_EQ(t.columns, 3U);
     EXPECT_EQ(t(1234, 0), 0.1 * 3702.0);
     EXPECT_EQ(t(4999, 2), 0.1 * 14999.0);
+    const std::vector<std::vector<double>> columns = reader.columns("/solution/position");
+    ASSERT_EQ(columns.size(), 3U);
+    for (std::size_t c = 0; c < 3; ++c) {
+        ASSERT_EQ(columns[c].size(), t.rows);
+        for (std::size_t r = 0; r < t.rows; ++r) ASSERT_EQ(columns[c][r], t(r, c)) << r << " " << c;
+    }
+    EXPECT_EQ(reader.read_through("/solution/position"), 5000U);
+    EXPECT_EQ(reader.columns("/solution/time_ns").at(0), (std::vector<double>{5, 6, 1e12}));
     EXPECT_EQ(reader.table("/solution/time_ns")(2, 0), 1e12);
     EXPECT_EQ(reader.attribute("/solution/position", "columns"), "north,east,down");
     EXPECT_EQ(reader.attribute("/", "name"), "car");

@@ -43,6 +43,32 @@ TEST(Decimate, OneSampleWideSpikesSurviveWhereverTheyAre) {
     for (std::size_t at = 17; at < n; at += 997) EXPECT_TRUE(std::binary_search(kept.begin(), kept.end(), at)) << at;
 }
 
+RC_GTEST_PROP(Decimate, WithoutGapsTheSameAsByTheRule, ()) {
+    const std::size_t n = *rc::gen::inRange<std::size_t>(1, 3000), most = *rc::gen::inRange<std::size_t>(4, 400);
+    // few values: many equal ones, of which the first least and the last greatest are kept
+    const std::vector<double> y =
+        *rc::gen::container<std::vector<double>>(n, rc::gen::map(rc::gen::inRange(-3, 4), [](int v) { return 0.5 * v; }));
+    const std::array<std::span<const double>, 1> channels{y};
+    std::vector<std::size_t> expected;
+    if (n <= most) {
+        for (std::size_t i = 0; i < n; ++i) expected.push_back(i);
+    } else {
+        expected = {0, n - 1};
+        const std::size_t buckets = most / 2;
+        for (std::size_t b = 0; b < buckets; ++b) {
+            const auto first = y.begin() + static_cast<std::ptrdiff_t>(b * n / buckets);
+            const auto last = y.begin() + static_cast<std::ptrdiff_t>((b + 1) * n / buckets);
+            if (first == last) continue;
+            const auto [low, high] = std::minmax_element(first, last);
+            expected.push_back(static_cast<std::size_t>(low - y.begin()));
+            expected.push_back(static_cast<std::size_t>(high - y.begin()));
+        }
+        std::sort(expected.begin(), expected.end());
+        expected.erase(std::unique(expected.begin(), expected.end()), expected.end());
+    }
+    RC_ASSERT(decimate(channels, most) == expected);
+}
+
 RC_GTEST_PROP(Decimate, KeepsEndsAndExtremesInOrder, ()) {
     const std::size_t n = *rc::gen::inRange<std::size_t>(1, 3000);
     const std::size_t most = *rc::gen::inRange<std::size_t>(4, 400);

@@ -1,4 +1,5 @@
 // The server's interface, as /api/openapi.json documents it.
+import { runRequest, taken } from "./begun";
 import { t } from "./i18n";
 import { said } from "./reasons";
 
@@ -300,7 +301,7 @@ async function reply(response: Response): Promise<Response> {
 }
 
 async function get<T>(path: string, signal?: AbortSignal): Promise<T> {
-  return (await reply(await fetch(path, signal ? { signal } : {}))).json() as Promise<T>;
+  return (await reply(await (taken(path) ?? fetch(path, signal ? { signal } : {})))).json() as Promise<T>;
 }
 
 async function send<T>(method: string, path: string, body?: unknown, signal?: AbortSignal): Promise<T> {
@@ -338,6 +339,7 @@ export const api = {
   inspect: (name: string) => get<Inspection>(`/api/datasets/${id(name)}/inspect`),
   runs: () => get<Run[]>("/api/runs"),
   run: (run: string) => get<RunDetails>(`/api/runs/${id(run)}`),
+  runWithChannels: (run: string) => get<RunDetails & { channels: Group[] }>(runRequest(run)),
   start: (order: Record<string, unknown>) => send<Run>("POST", "/api/runs", order),
   startBatch: (order: Record<string, unknown>) => send<{ batch: string; runs: string[] }>("POST", "/api/batches", order),
   annotate: (run: string, note: string) => send<Run>("PATCH", `/api/runs/${id(run)}`, { note }),

@@ -1,29 +1,34 @@
 // Texts in the reader's language: one message file a language, English where a text is missing. Messages with parameters are in
 // the syntax of ICU MessageFormat (plural forms by the rules of the language), formatted by intl-messageformat.
 import { IntlMessageFormat } from "intl-messageformat";
+import { chosenLanguage, languageKey, languages as known } from "./choice";
 import en from "./messages/en.json";
-import ru from "./messages/ru.json";
-import uk from "./messages/uk.json";
 
 type Messages = Record<string, string>;
-const languages: Record<string, Messages> = { en, uk, ru };
+/** Those that are loaded: who reads English loads no other. */
+const languages: Record<string, Messages> = { en };
+const files: Record<string, () => Promise<{ default: Messages }>> = {
+  uk: () => import("./messages/uk.json"),
+  ru: () => import("./messages/ru.json"),
+};
 
-function first(): string {
-  const chosen = localStorage.getItem("schuler.language");
-  if (chosen && chosen in languages) return chosen;
-  return ["uk", "ru"].find((l) => navigator.language.startsWith(l)) ?? "en";
-}
-
-export let language = first();
+export let language = chosenLanguage();
 document.documentElement.lang = language;
+
+/** Until this is done, texts are in English. */
+export async function languageReady(): Promise<void> {
+  const name = language;
+  const load = files[name];
+  if (load && !languages[name]) languages[name] = (await load()).default;
+}
 
 /** Parsed once: of the language that is shown. */
 const formats = new Map<string, IntlMessageFormat>();
 
 export function setLanguage(name: string): void {
-  language = name in languages ? name : "en";
+  language = known.includes(name) ? name : "en";
   formats.clear();
-  localStorage.setItem("schuler.language", language);
+  localStorage.setItem(languageKey, language);
   document.documentElement.lang = language;
 }
 
@@ -32,7 +37,7 @@ export function t(key: string, values: Record<string, string | number> = {}): st
   const text = languages[language]?.[key] ?? (en as Messages)[key] ?? key;
   if (!text.includes("{")) return text;
   let format = formats.get(key);
-  if (!format) formats.set(key, (format = new IntlMessageFormat(text, key in languages[language]! ? language : "en", undefined, { ignoreTag: true })));
+  if (!format) formats.set(key, (format = new IntlMessageFormat(text, key in (languages[language] ?? {}) ? language : "en", undefined, { ignoreTag: true })));
   return String(format.format(values));
 }
 

@@ -2,29 +2,26 @@
 import "uplot/dist/uPlot.min.css";
 import "./style.css";
 import { append, h, replace, tell } from "./dom";
-import { helpReady, language, setLanguage, t } from "./i18n";
+import { forget, route } from "./begun";
+import { applyTheme, chosenTheme, themeKey, themes, type Theme } from "./choice";
+import { helpReady, language, languageReady, setLanguage, t } from "./i18n";
 import type { Page } from "./page";
-import { batchPage, batchTablePage } from "./pages/batch";
-import { comparePage } from "./pages/compare";
-import { dataPage } from "./pages/data";
-import { editorPage } from "./pages/editor";
-import { livePage } from "./pages/live";
-import { runPage } from "./pages/run";
-import { startPage } from "./pages/start";
-import { studiesPage } from "./pages/studies";
 import { watchServer } from "./streams";
 
-type Theme = "auto" | "light" | "dark";
-const themes: Theme[] = ["auto", "light", "dark"];
-
-function theme(): Theme {
-  return (localStorage.getItem("schuler.theme") as Theme | null) ?? "auto";
-}
-
-function applyTheme(): void {
-  const dark = theme() === "dark" || (theme() === "auto" && matchMedia("(prefers-color-scheme: dark)").matches);
-  document.documentElement.dataset.theme = dark ? "dark" : "light";
-}
+/** Pages by the first word of the address; the scripts of each are loaded when it is opened. */
+const pages: Record<string, (rest: string[], parameters: URLSearchParams) => Promise<Page>> = {
+  scenario: async (_, parameters) => (await import("./pages/editor")).editorPage(parameters),
+  data: async (rest, parameters) => (await import("./pages/data")).dataPage(rest[0] ?? "", parameters),
+  run: async (rest) => (await import("./pages/run")).runPage(rest[0] ?? "", rest[1] ?? ""),
+  compare: async (rest) => (await import("./pages/compare")).comparePage(rest),
+  batch: async (rest, parameters) => {
+    const { batchPage, batchTablePage } = await import("./pages/batch");
+    return rest[0] ? batchTablePage(rest[0]) : batchPage(parameters);
+  },
+  live: async () => (await import("./pages/live")).livePage(),
+  studies: async (rest, parameters) => (await import("./pages/studies")).studiesPage(parameters, rest[0] ?? ""),
+};
+const start = async () => (await import("./pages/start")).startPage();
 
 const content = h("main", { id: "content", tabIndex: -1 });
 let shown: Page | null = null;
@@ -32,32 +29,14 @@ let turn = 0;
 
 async function open(): Promise<void> {
   const mine = ++turn;
-  const [path = "", query = ""] = location.hash.replace(/^#\/?/, "").split("?");
-  const [kind = "", ...rest] = path.split("/").map(decodeURIComponent);
-  const parameters = new URLSearchParams(query);
+  const { kind, rest, parameters } = route(location.hash);
   shown?.close?.();
   shown = null;
   try {
     await helpReady();
-    const page =
-      kind === "scenario"
-        ? editorPage(parameters)
-        : kind === "data"
-          ? dataPage(rest[0] ?? "", parameters)
-          : kind === "run"
-            ? runPage(rest[0] ?? "", rest[1] ?? "")
-            : kind === "compare"
-              ? comparePage(rest)
-              : kind === "batch"
-                ? rest[0]
-                  ? batchTablePage(rest[0])
-                  : batchPage(parameters)
-              : kind === "live"
-                ? livePage()
-              : kind === "studies"
-                ? studiesPage(parameters, rest[0] ?? "")
-                : startPage();
+    const page = (Object.hasOwn(pages, kind) ? pages[kind]! : start)(rest, parameters);
     const made = await page;
+    forget();
     if (mine !== turn) return made.close?.();
     shown = made;
     replace(content, made.element);
@@ -91,13 +70,13 @@ function frame(): void {
       "aria-label": t("theme"),
       title: t("theme"),
       onClick: () => {
-        localStorage.setItem("schuler.theme", themes[(themes.indexOf(theme()) + 1) % themes.length]!);
+        localStorage.setItem(themeKey, themes[(themes.indexOf(chosenTheme()) + 1) % themes.length]!);
         applyTheme();
-        themeButton.textContent = icons[theme()];
+        themeButton.textContent = icons[chosenTheme()];
         shown?.redraw?.();
       },
     },
-    icons[theme()],
+    icons[chosenTheme()],
   );
   const chooser = h(
     "select",
@@ -105,8 +84,7 @@ function frame(): void {
       "aria-label": t("language"),
       onChange: (e: Event) => {
         setLanguage((e.target as HTMLSelectElement).value);
-        frame();
-        void open();
+        void languageReady().then(() => (frame(), open()));
       },
     },
     h("option", { value: "en" }, "English"),
@@ -186,5 +164,9 @@ watchServer((state) => {
   banner.hidden = state === "alive";
   if (state === "alive" && shown === null) void open();
 });
-frame();
-void open();
+void languageReady().then(() => {
+  // what index.html has drawn stays until the page is there
+  if (document.documentElement.dataset.page === "") append(content, h("h1", null, t("start.title")), h("p", { class: "lead" }, t("start.lead")));
+  frame();
+  void open();
+});

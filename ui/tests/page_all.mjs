@@ -71,7 +71,7 @@ const table = () => {
 
 try {
   await page.goto(entrance);
-  await page.locator("h1").waitFor();
+  await page.locator(".drop").waitFor();
   const plain = (await ask("api/examples")).filter((e) => wanted(e.name) && options.examples !== "no");
   for (const { name, toml } of plain) {
     const { settings } = await ask("api/settings?of=scenario", "POST", { toml });

@@ -66,6 +66,7 @@ const done = async () => {
 async function start() {
   await page.goto(entrance);
   await page.getByRole("heading", { name: "Integrated inertial-satellite navigation" }).waitFor();
+  await page.locator(".drop").waitFor();
   await accessible("start");
 }
 

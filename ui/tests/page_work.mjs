@@ -6,6 +6,7 @@ import { tmpdir } from "node:os";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { serve } from "./browse.mjs";
+import { first } from "./page_first.mjs";
 import { formSteps } from "./page_forms.mjs";
 import { live } from "./page_live.mjs";
 import { graticule, tiles } from "./page_maps.mjs";
@@ -277,7 +278,7 @@ async function restart(t) {
   let after = null;
   try {
     await tab.goto(before.entrance);
-    await tab.locator("h1").waitFor();
+    await tab.locator(".drop").waitFor();
     const banner = tab.locator(".banner");
     check(await banner.isHidden(), "no banner while the server answers");
     await before.stop();
@@ -393,7 +394,7 @@ async function languages({ page, address, check, soon }) {
 }
 
 export async function work(t) {
-  const steps = [languages, frame, batch, ...formSteps, quality.health, quality.grid, quality.separation, comparisons, carrier, papers, receiver, graticule, tiles, live, restart];
+  const steps = [first, languages, frame, batch, ...formSteps, quality.health, quality.grid, quality.separation, comparisons, carrier, papers, receiver, graticule, tiles, live, restart];
   for (const step of steps.filter((s) => !t.options.steps || t.options.steps.includes(s.name)))
     try {
       await step(t);

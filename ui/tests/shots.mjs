@@ -51,7 +51,7 @@ const finished = async ({ id, error }) => {
 
 try {
   await page.goto(entrance);
-  await page.locator("h1").waitFor();
+  await page.locator(".drop").waitFor();
   const examples = await ask("api/examples");
   const scenario = async (name, title, command = "run", change = (toml) => toml) =>
     finished(await ask("api/runs", "POST", { kind: "scenario", title, command, toml: change(examples.find((e) => e.name === name).toml) }));

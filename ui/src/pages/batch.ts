@@ -9,7 +9,7 @@ import { said } from "../reasons";
 import { watchRuns } from "../streams";
 import { Desk } from "./desk";
 import { partDone } from "./progress";
-import { stateBadge } from "./start";
+import { stateBadge } from "./badge";
 
 const tasks = ["process", "gnss", "ahrs", "gravity"] as const;
 type Task = (typeof tasks)[number];

@@ -82,21 +82,32 @@ export async function planeOf(run: string): Promise<{ lat: number; lon: number }
   return typeof a === "number" && typeof b === "number" ? { lat: a, lon: b } : null;
 }
 
-async function map(run: RunDetails, groups: Group[], linked: Linked): Promise<PlanView | null> {
+/** The map, whose tracks come when they are there. */
+function map(run: RunDetails, groups: Group[], linked: Linked): PlanView | null {
+  if (!groups.some((x) => x.group === "/solution")) return null;
+  const plan = new PlanView(linked, 430);
+  drawMap(plan, run, groups).catch((e: Error) => replace(plan.element, h("p", { class: "bad", role: "alert" }, e.message)));
+  return plan;
+}
+
+async function drawMap(plan: PlanView, run: RunDetails, groups: Group[]): Promise<void> {
   const has = (g: string) => groups.some((x) => x.group === g);
-  if (!has("/solution")) return null;
   const local = async (group: string, more: string[] = []) => {
     const s = await api.series(run.id, [`${group}/local:east`, `${group}/local:north`, ...more], { points: 2500 });
     return { time: s.time_s, east: s.columns[`${group}/local:east`]!, north: s.columns[`${group}/local:north`]!, columns: s.columns };
   };
-  const tracks: Track2d[] = [{ label: t("track.solution"), ink: 0, ...(await local("/solution")) }];
-  if (has("/reference")) tracks.push({ label: t("track.reference"), ink: 2, ...(await local("/reference")) });
   const gnss = groups.find((g) => g.group === "/gnss");
   const quality = "/gnss/quality:fix";
   const known = gnss?.columns.some((c) => c.id === quality) ?? false;
-  const plan = new PlanView(linked, 430);
-  if (gnss) {
-    const g = await local("/gnss", known ? [quality] : []);
+  const [solution, reference, g, plane] = await Promise.all([
+    local("/solution"),
+    has("/reference") ? local("/reference") : null,
+    gnss ? local("/gnss", known ? [quality] : []) : null,
+    planeOf(run.id),
+  ]);
+  const tracks: Track2d[] = [{ label: t("track.solution"), ink: 0, ...solution }];
+  if (reference) tracks.push({ label: t("track.reference"), ink: 2, ...reference });
+  if (g) {
     const fixes = (g.columns[quality] ?? []) as Values;
     tracks.push({ label: t("track.gnss"), ink: 1, dots: true, ...g, ...(known ? { paints: fixes.map((f) => fixPaints[f ?? 5] ?? "--muted") } : {}) });
     if (known) {
@@ -112,8 +123,7 @@ async function map(run: RunDetails, groups: Group[], linked: Linked): Promise<Pl
     }
   }
   plan.show(tracks);
-  void planeOf(run.id).then((plane) => plane && plan.lie(plane));
-  return plan;
+  if (plane) void plan.lie(plane);
 }
 
 function sigmaPlots(run: string, groups: Group[], linked: Linked): TimePlot[] {
@@ -218,8 +228,8 @@ export function outagePlots(run: string, groups: Group[], linked: Linked): TimeP
   );
 }
 
-export async function qualityView(run: RunDetails, groups: Group[], linked: Linked, others: Promise<{ id: string; title: string }[]>, happened: Promise<Happening[]>): Promise<View> {
-  const plan = await map(run, groups, linked);
+export function qualityView(run: RunDetails, groups: Group[], linked: Linked, others: Promise<{ id: string; title: string }[]>, happened: Promise<Happening[]>): View {
+  const plan = map(run, groups, linked);
   // every row of every gate is looked at for them: the page does not wait
   const events = h("div", null, plan && h("section", { class: "card" }, h("h3", null, t("event.title")), h("p", { class: "muted" }, t("event.wait"))));
   void happened.then(

@@ -16,7 +16,7 @@ import { partDone, progressWords } from "./progress";
 import { qualityView } from "./quality";
 import { skyView } from "./sky";
 import { signalsView } from "./signals";
-import { stateBadge } from "./start";
+import { stateBadge } from "./badge";
 import { trackView, type View } from "./track";
 import { tableView } from "./values";
 import { errorPlots, innovationPlots, motionPlots, sensorPlots } from "./views";
@@ -145,14 +145,12 @@ function shown(tab: (typeof tabs)[number], run: RunDetails, groups: Group[]): bo
   }
 }
 
-async function finished(run: RunDetails, first: string): Promise<Page> {
-  const drawn = ["run.h5", "gravity.csv", "epochs.csv", "solution.csv"].some((f) => run.files.includes(f));
-  // the list of all runs is for comparisons alone: the run does not wait for it
-  const others = api.runs().then(
+async function finished(run: RunDetails, groups: Group[], first: string): Promise<Page> {
+  // the list of all runs is for comparisons alone: neither the run nor the server waits for it
+  const others = idle().then(() => api.runs()).then(
     (all) => all.filter((r) => r.id !== run.id && r.state === "done"),
     () => [],
   );
-  const groups = drawn ? await api.channels(run.id) : [];
   const stops = groups.map((g) => g.stop_s).filter((x): x is number => x !== null);
   const linked = new Linked(0, Math.max(1e-3, ...stops));
   linked.spans = (run.summary?.outages ?? []).map((o) => ({
@@ -336,7 +334,7 @@ async function finished(run: RunDetails, first: string): Promise<Page> {
 }
 
 export async function runPage(id: string, tab: string): Promise<Page> {
-  const run = await api.run(id);
-  if (run.state !== "waiting" && run.state !== "running") return finished(run, tab);
+  const { channels, ...run } = await api.runWithChannels(id);
+  if (run.state !== "waiting" && run.state !== "running") return finished(run, channels, tab);
   return whileWorking(run, () => window.dispatchEvent(new HashChangeEvent("hashchange")));
 }

@@ -3,8 +3,8 @@ import { api, upload, type DatasetInfo, type Run } from "../api";
 import { h, icon, replace, tell } from "../dom";
 import { language, maybe, number, t } from "../i18n";
 import type { Page } from "../page";
-import { said } from "../reasons";
 import { watchRuns } from "../streams";
+import { stateBadge } from "./badge";
 import { partDone, progressWords } from "./progress";
 
 /** Files of a drop, those of folders too. */
@@ -136,11 +136,6 @@ function datasetList(sets: DatasetInfo[], again: () => void): HTMLElement {
       ),
     ),
   );
-}
-
-export function stateBadge(run: Run): HTMLElement {
-  const icon = { waiting: "…", running: "▶", done: "✓", failed: "✗", cancelled: "⊘" }[run.state];
-  return h("span", { class: `badge ${run.state}`, title: said(run.message) }, `${icon} ${t(`state.${run.state}`)}`);
 }
 
 function runTable(runs: Run[], again: () => void): HTMLElement {

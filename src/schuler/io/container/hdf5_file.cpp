@@ -244,6 +244,41 @@ Hdf5Table Hdf5Reader::read(const std::string& path, int largest_rank) const {
     return result;
 }
 
+std::size_t Hdf5Reader::read_rows(const std::string& path, std::vector<std::vector<double>>* columns) const {
+    const Handle data(H5Dopen2(file_->file.id(), path.c_str(), H5P_DEFAULT), H5Dclose);
+    if (!data.ok()) throw file_->no_such(path);
+    const Handle space(H5Dget_space(data.id()), H5Sclose);
+    std::array<hsize_t, 2> size = {0, 1};
+    const int rank = H5Sget_simple_extent_ndims(space.id());
+    if (rank < 1 || rank > 2) throw file_->no_such(path + " with rows and columns");
+    H5Sget_simple_extent_dims(space.id(), size.data(), nullptr);
+    const std::size_t count = file_->count(space.id(), path), wide = size[1];
+    if (count != 0 && (size[0] > count || wide > count || size[0] * wide != count)) throw file_->damaged(path);
+    if (columns != nullptr) columns->assign(count == 0 ? 0 : wide, std::vector<double>(size[0]));
+    std::vector<double> block(std::min<std::size_t>(size[0], chunk_rows_most) * (count == 0 ? 0 : wide));
+    for (std::size_t first = 0; first < size[0] && count != 0; first += chunk_rows_most) {
+        const std::array<hsize_t, 2> start = {first, 0}, part = {std::min<hsize_t>(size[0] - first, chunk_rows_most), wide};
+        const Handle memory(H5Screate_simple(rank, part.data(), nullptr), H5Sclose);
+        H5Sselect_hyperslab(space.id(), H5S_SELECT_SET, start.data(), nullptr, part.data(), nullptr);
+        if (H5Dread(data.id(), H5T_NATIVE_DOUBLE, memory.id(), space.id(), H5P_DEFAULT, block.data()) < 0)
+            throw input_error("cannot be read", place_in(file_->name, 0, 0, path), "check that it was copied completely");
+        if (columns == nullptr) continue;
+        for (std::size_t c = 0; c < wide; ++c) {
+            double* to = (*columns)[c].data() + first;
+            for (std::size_t r = 0; r < part[0]; ++r) to[r] = block[r * wide + c];
+        }
+    }
+    return size[0];
+}
+
+std::vector<std::vector<double>> Hdf5Reader::columns(const std::string& path) const {
+    std::vector<std::vector<double>> out;
+    read_rows(path, &out);
+    return out;
+}
+
+std::size_t Hdf5Reader::read_through(const std::string& path) const { return read_rows(path, nullptr); }
+
 std::vector<std::int64_t> Hdf5Reader::integers(const std::string& path) const {
     const Handle data(H5Dopen2(file_->file.id(), path.c_str(), H5P_DEFAULT), H5Dclose);
     if (!data.ok()) throw file_->no_such(path);

@@ -61,6 +61,10 @@ public:
     Hdf5Reader& operator=(const Hdf5Reader&) = delete;
 
     [[nodiscard]] Hdf5Table table(const std::string& path) const;
+    /// The same column by column, with little memory beyond that of the columns.
+    [[nodiscard]] std::vector<std::vector<double>> columns(const std::string& path) const;
+    /// Reads a table without keeping it; returns the number of its rows.
+    [[nodiscard]] std::size_t read_through(const std::string& path) const;
     /// A column of integers.
     [[nodiscard]] std::vector<std::int64_t> integers(const std::string& path) const;
     /// Square matrices, one per row.
@@ -71,6 +75,8 @@ public:
 
 private:
     [[nodiscard]] Hdf5Table read(const std::string& path, int largest_rank) const;
+    /// Returns the number of rows; `columns`: where they go, or null.
+    std::size_t read_rows(const std::string& path, std::vector<std::vector<double>>* columns) const;
     struct File;
     std::unique_ptr<File> file_;
 };
