@@ -159,7 +159,7 @@ async function reasons({ page, address, ask, check, options }, id) {
     const reply = await route.fetch();
     await route.fulfill({ response: reply, json: (await reply.json()).map((r) => (r.id === id ? { ...r, verdict: "do not use" } : r)) });
   });
-  await page.route(`**/api/runs/${id}`, async (route) => {
+  await page.route((url) => url.pathname === `/api/runs/${id}`, async (route) => {
     const reply = await route.fetch();
     const run = await reply.json();
     run.verdict = "do not use";
