@@ -93,6 +93,8 @@ try {
     await page.locator(".tasks").waitFor({ timeout: 120_000 }).catch(() => fail(name, "its page does not open"));
     for (const card of await page.locator("details:has(> .form-tools), details.raw-signals").all()) {
       await card.locator("> summary").click();
+      // a plot is drawn when it is seen
+      await card.locator("figure.plot").first().scrollIntoViewIfNeeded({ timeout: 120_000 }).catch(() => {});
       await card.locator("figure.plot .u-over").first().waitFor({ timeout: 120_000 }).catch(async () => fail(name, `raw logs: ${await card.innerText()}`));
     }
     for (const word of await page.locator(".bad:not([hidden])").allInnerTexts()) fail(name, `data page: ${word}`);

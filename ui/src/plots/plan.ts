@@ -26,6 +26,7 @@ export class PlanView {
   private centre = { east: 0, north: 0 };
   private scale = 1;
   private fitted = false;
+  private size: [number, number] = [0, 0]; // of the canvas, px
   private plane: Plane | null = null;
   /** The lines that were drawn last. */
   lines: { meridians: Line[]; parallels: Line[] } = { meridians: [], parallels: [] };
@@ -192,8 +193,8 @@ export class PlanView {
 
   private place(east: number, north: number): [number, number] {
     return [
-      this.canvas.clientWidth / 2 + (east - this.centre.east) * this.scale,
-      this.canvas.clientHeight / 2 - (north - this.centre.north) * this.scale,
+      this.size[0] / 2 + (east - this.centre.east) * this.scale,
+      this.size[1] / 2 - (north - this.centre.north) * this.scale,
     ];
   }
 
@@ -214,6 +215,7 @@ export class PlanView {
         document.fullscreenElement === this.element ? window.innerHeight - 60 : this.tall * (window.innerWidth >= 2200 ? 1.8 : 1);
     if (width === 0) return;
     this.canvas.style.height = `${height}px`;
+    this.size = [width, height];
     if (!this.fitted) {
       const [a, b, c, d] = this.bounds();
       this.centre = { east: (a + b) / 2, north: (c + d) / 2 };

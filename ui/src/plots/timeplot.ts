@@ -41,6 +41,7 @@ export class TimePlot {
   private loaded: [number, number] | null = null;
   private request: AbortController | null = null;
   private inSight = false;
+  private wide = 0; // px
   private stale = true;
   /** Limits that a box has chosen, of y and of the axis at the right. */
   private box: Record<string, [number, number]> = {};
@@ -116,11 +117,17 @@ export class TimePlot {
   }
 
   private get width(): number {
-    return Math.max(200, this.place.clientWidth);
+    return Math.max(200, this.wide || this.place.clientWidth);
+  }
+
+  /** Where the browser has just laid out the page: asked between changes, it would do so for every plot. */
+  private measure(): void {
+    this.wide = this.place.clientWidth;
   }
 
   seen(inSight: boolean): void {
     this.inSight = inSight;
+    this.measure();
     if (inSight && this.stale) {
       this.stale = false;
       if (this.chart) this.follow();
@@ -129,6 +136,7 @@ export class TimePlot {
   }
 
   resized(): void {
+    this.measure();
     this.chart?.setSize({ width: this.width, height: this.height });
   }
 
