@@ -44,6 +44,7 @@ async function open(): Promise<void> {
     for (const link of document.querySelectorAll<HTMLAnchorElement>("header nav a"))
       link.toggleAttribute("aria-current", link.hash.split("?")[0] === `#/${kind}`);
   } catch (e) {
+    if (mine !== turn) return; // another page is there
     replace(
       content,
       h(

@@ -6,3 +6,10 @@ export interface Page {
   /** The theme has changed. */
   redraw?: () => void;
 }
+
+/** To the first page, if the reader is still at this address by then. */
+export function toStartFrom(address: string): () => void {
+  return () => {
+    if (location.hash === address) location.hash = "#/";
+  };
+}

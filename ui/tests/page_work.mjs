@@ -399,6 +399,8 @@ export async function work(t) {
     try {
       await step(t);
     } catch (e) {
-      t.check(false, `${step.name}: ${e.message.split("\n")[0]}`);   // the other steps do not need it
+      const where = /page_\w+\.mjs:\d+/.exec(e.stack ?? "")?.[0] ?? "";
+      const seen = (await t.page.locator("#content").innerText({ timeout: 2000 }).catch(() => "-")).slice(0, 200).replaceAll("\n", " | ");
+      t.check(false, `${step.name}: ${e.message.split("\n")[0]} ${where}, page: ${seen}`);   // the other steps do not need it
     }
 }

@@ -4,7 +4,7 @@ import { h, quietly, replace, saveAs, tell } from "../dom";
 import { OptionForm } from "../form";
 import { maybe, number, t } from "../i18n";
 import { mainOptions } from "../labels";
-import type { Page } from "../page";
+import { toStartFrom, type Page } from "../page";
 import { said } from "../reasons";
 import { watchRuns } from "../streams";
 import { Desk } from "./desk";
@@ -283,7 +283,7 @@ export async function batchTablePage(batch: string): Promise<Page> {
               type: "button",
               onClick: () => {
                 if (confirm(t("batch.remove_sure", { n: rows.length, name: batch })))
-                  void Promise.allSettled(rows.map(({ run }) => api.remove(run.id))).then(() => (location.hash = "#/"));
+                  void Promise.allSettled(rows.map(({ run }) => api.remove(run.id))).then(toStartFrom(location.hash));
               },
             },
             t("batch.remove"),

@@ -2,7 +2,7 @@
 import { api, type Group, type RunDetails } from "../api";
 import { append, h, icon, idle, replace, saveAs, tell as say } from "../dom";
 import { t } from "../i18n";
-import type { Page } from "../page";
+import { toStartFrom, type Page } from "../page";
 import { said } from "../reasons";
 import { watchRuns, type RunEvent } from "../streams";
 import { Linked } from "../plots/linked";
@@ -319,7 +319,7 @@ async function finished(run: RunDetails, groups: Group[], first: string): Promis
         if (text !== null) void api.annotate(run.id, text).then(() => ((run.note = text), write()), (e: Error) => say(e.message, "error"));
       }),
       tool("✕", t("remove"), () => {
-        if (confirm(t("remove.sure", { name: run.title }))) void api.remove(run.id).then(() => (location.hash = "#/"));
+        if (confirm(t("remove.sure", { name: run.title }))) void api.remove(run.id).then(toStartFrom(location.hash));
       }),
     ),
     note,
