@@ -8,7 +8,10 @@ if(NOT CMAKE_BUILD_TYPE)
     set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
 endif()
 
-find_program(SCHULER_CCACHE ccache)
+# Decided once: a ccache that is installed later (./test does, ./run does not) would change every command, and everything be compiled again.
+if(NOT DEFINED CACHE{SCHULER_CCACHE})
+    find_program(SCHULER_CCACHE ccache)
+endif()
 if(SCHULER_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
     set(CMAKE_CXX_COMPILER_LAUNCHER "${SCHULER_CCACHE}")
 endif()

@@ -55,7 +55,7 @@ KEYS = {
     "gnss.latency_s": "0.2", "gnss.height_latency_s": "0.2", "gnss.jitter_s": "0.02", "gnss.std_scale": "3", "gnss.std_floor_m": "[9, 9, 9]",
     "gnss.change_white_m": "[3, 3, 3]", "gnss.use_velocity": "false", "filter.detect_wheels": "true", "ranges.intersystem_m": "9", "ranges.network_m": "9",
     "gnss.correlated_time_s": "510", "gnss.correlated_velocity_time_s": "51", "gnss.troposphere": '"none"', "baro.sea_level_pressure_pa": "100000",
-    "imu.gyro_quantum_arcsec": "0.3", "stations.time_offset_s": "0.3", "earth.rotation_rad_s": "8e-5", "imu.stamp": '"start"',
+    "imu.gyro_quantum_arcsec": "0.3", "imu.gyro_g_deg_h_g": "300", "stations.time_offset_s": "0.3", "earth.rotation_rad_s": "8e-5", "imu.stamp": '"start"',
     "compass.white_deg": "3", "imu.found_mounting_std_deg": "1", "gravity.model": '"ramp"',
     "heading.std_deg": "7", "output.lever_arm_m": "[5, 0, 0]", "vehicle.kind": '"air"',
 }
@@ -73,7 +73,7 @@ OF_A_SURVEY = {
     "filter.mechanization", "filter.loop", "filter.smooth", "filter.backward", "filter.feedback_period_s",
     "filter.estimate_lever_arm", "filter.nonholonomic", "filter.gate_probability", "filter.loose", "filter.separate.restart_s", "filter.integrity.use",
     "filter.protection.use", "mag.heading_std_deg", "baro.white_m", "gnss.lever_arm_m", "gnss.correlated_m", "gnss.consider_errors", "gnss.latency_s",
-    "gnss.std_scale", "gnss.use_velocity", "ranges.white_m", "odometer.std_m_s", "imu.gyro_quantum_arcsec", "earth.rotation_rad_s", "imu.stamp",
+    "gnss.std_scale", "gnss.use_velocity", "ranges.white_m", "odometer.std_m_s", "imu.gyro_quantum_arcsec", "imu.gyro_g_deg_h_g", "earth.rotation_rad_s", "imu.stamp",
     "heading.std_deg", "output.lever_arm_m", "vehicle.kind")}
 
 
